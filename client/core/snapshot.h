@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "shared/core/camera.h"
+#include "shared/core/sha256.h"
+#include "shared/mesh/triangle_mesh.h"
+#include "shared/progressive/active_mesh.h"
+#include "shared/silhouette/seed_table.h"
+
+namespace limn {
+
+/// What a client knows of a model before its first split (ModelInfo).
+struct ModelDescription {
+  std::string name;
+  Sha256Digest asset{};
+  Grid grid;
+  BoundingSphere sphere;      // of the prepared mesh
+  std::uint32_t vertices = 0;  // of the full mesh
+  std::uint32_t faces = 0;
+  bool closed = false;
+};
+
+/// The client's mesh at one moment. Immutable; crosses threads as shared_ptr<const MeshSnapshot>.
+struct MeshSnapshot {
+  ModelDescription model;
+  ActiveMesh mesh;
+  std::shared_ptr<const SeedTable> seeds;  // null until they have arrived
+  std::uint64_t revision = 0;              // grows with every published change
+};
+
+}  // namespace limn

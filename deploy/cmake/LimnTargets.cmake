@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+# One static library per second-level folder, explicit sources, one test binary per tested folder.
+
+function(limn_warnings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wimplicit-fallthrough)
+  if(LIMN_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+endfunction()
+
+# limn_library(NAME [HEADERS h...] [SOURCES cpp...] [PUBLIC lib...] [PRIVATE lib...])
+# Makes limn_NAME (alias limn::NAME). Include paths are repository paths. Without sources: header-only.
+function(limn_library name)
+  cmake_parse_arguments(ARG "" "" "HEADERS;SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  if(ARG_SOURCES)
+    add_library(limn_${name} STATIC ${ARG_SOURCES})
+    set(scope PUBLIC)
+    limn_warnings(limn_${name})
+    target_link_libraries(limn_${name} PRIVATE ${ARG_PRIVATE})
+  else()
+    add_library(limn_${name} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  target_include_directories(limn_${name} ${scope} "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(limn_${name} ${scope} ${ARG_PUBLIC})
+  if(ARG_HEADERS)
+    target_sources(limn_${name} ${scope} FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}" FILES ${ARG_HEADERS})
+  endif()
+  add_library(limn::${name} ALIAS limn_${name})
+endfunction()
+
+# limn_program(NAME SOURCES cpp... LINK lib...): an executable build/PRESET/bin/NAME.
+function(limn_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  limn_warnings(${name})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK})
+  target_compile_definitions(${name} PRIVATE LIMN_VERSION="${PROJECT_VERSION}")
+endfunction()
+
+# limn_test(NAME LABEL label SOURCES cpp... LINK lib...): a GoogleTest binary whose cases are CTest tests.
+function(limn_test name)
+  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  limn_warnings(${name})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest_main)
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS ${ARG_LABEL})
+endfunction()

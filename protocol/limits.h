@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+/// Every limit of subprotocol `limn.1`, checked before anything is allocated. SPEC.md lists them.
+namespace limn::limits {
+
+inline constexpr std::uint16_t kProtocolVersion = 1;
+inline constexpr char kSubprotocol[] = "limn.1";
+
+inline constexpr std::size_t kMaxClientMessageBytes = 64 * 1024;       // client → server
+inline constexpr std::size_t kMaxServerMessageBytes = 4 * 1024 * 1024;  // server → client
+inline constexpr std::size_t kMaxHaveSetPieceBytes = 32 * 1024;
+inline constexpr std::uint32_t kMaxVertices = 1u << 27;
+inline constexpr std::uint32_t kMaxBaseVertices = 1u << 20;
+inline constexpr std::uint32_t kMaxLevels = 64;
+inline constexpr std::uint32_t kMaxRing = 64;             // neighbours in a canonical ring
+inline constexpr std::size_t kMaxNameBytes = 200;
+inline constexpr std::uint32_t kMaxPacketSplits = 1u << 20;
+
+}  // namespace limn::limits

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "shared/core/camera.h"
+
+namespace limn {
+
+/// The integer grid that all positions of a model live on. Model position = origin + step · grid.
+struct Grid {
+  glm::dvec3 origin{0.0};  // minimum of the referenced vertices of the input
+  double step = 1.0;       // longest side of the box / (2^bits − 1); > 0
+  int bits = 14;           // 11 to 18: prepared positions are 0 … 2^bits − 1 along each axis
+
+  [[nodiscard]] glm::dvec3 toModel(const glm::ivec3& p) const { return origin + step * glm::dvec3(p); }
+  [[nodiscard]] glm::dvec3 fromModel(const glm::dvec3& p) const { return (p - origin) / step; }
+};
+
+/// A triangle mesh on a grid: flat arrays, no connectivity. Triangles are counter-clockwise seen
+/// from outside.
+struct TriangleMesh {
+  Grid grid;
+  std::vector<glm::ivec3> positions;
+  std::vector<glm::uvec3> triangles;
+};
+
+/// Centre of the box of `positions`, distance from it to the farthest of them, in model units.
+[[nodiscard]] BoundingSphere boundingSphere(const Grid& grid, std::span<const glm::ivec3> positions);
+
+}  // namespace limn
