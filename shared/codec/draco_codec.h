@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/core/result.h"
+#include "shared/mesh/triangle_mesh.h"
+
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include "shared/core/result.h"
-#include "shared/mesh/triangle_mesh.h"
 
 namespace limn {
 
@@ -23,7 +23,7 @@ struct DracoMesh {
 
 /// Positions and triangles; the grid is the caller's. Counts in the header are checked against the
 /// limits before Draco runs. Errors: kCorrupt, kLimitExceeded.
-[[nodiscard]] Result<TriangleMesh> decodeDraco(
-    std::span<const std::uint8_t> bytes, std::uint32_t maxVertices, std::uint32_t maxFaces);
+[[nodiscard]] Result<TriangleMesh>
+decodeDraco(std::span<const std::uint8_t> bytes, std::uint32_t maxVertices, std::uint32_t maxFaces);
 
 }  // namespace limn

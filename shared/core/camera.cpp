@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/core/camera.h"
 
+#include <glm/gtc/matrix_transform.hpp>
+
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/matrix_transform.hpp>
 
 namespace limn {
 
-glm::dvec3 Camera::forward() const { return glm::normalize(target - eye); }
+glm::dvec3 Camera::forward() const {
+  return glm::normalize(target - eye);
+}
 
-glm::dmat4 Camera::viewFromWorld() const { return glm::lookAt(eye, target, up); }
+glm::dmat4 Camera::viewFromWorld() const {
+  return glm::lookAt(eye, target, up);
+}
 
 glm::dmat4 Camera::clipFromView(double aspect) const {
   const double tanHalf = std::tan(glm::radians(fovDegrees) / 2.0);

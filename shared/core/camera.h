@@ -5,12 +5,13 @@
 
 namespace limn {
 
-/// A pinhole or orthographic camera in model units, right-handed, OpenGL clip space, column vectors.
+/// A pinhole or orthographic camera in model units, right-handed, OpenGL clip space, column
+/// vectors.
 struct Camera {
   glm::dvec3 eye{0.0, 0.0, 3.0};
   glm::dvec3 target{0.0};
   glm::dvec3 up{0.0, 1.0, 0.0};
-  double fovDegrees = 40.0;  // vertical
+  double fovDegrees = 40.0;   // vertical
   bool orthographic = false;  // same extent at `target` as the perspective camera has there
   double nearPlane = 0.1;
   double farPlane = 10.0;
@@ -25,6 +26,7 @@ struct Camera {
 struct Viewport {
   int width = 1024;
   int height = 1024;
+
   [[nodiscard]] double aspect() const { return static_cast<double>(width) / height; }
 };
 

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/core/sha256.h"
 
+#include "shared/core/assert.h"
+
 #include <openssl/evp.h>
 
 #include <memory>
-
-#include "shared/core/assert.h"
 
 namespace limn {
 
 Sha256Digest sha256(std::span<const std::span<const std::uint8_t>> pieces) {
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(
-      EVP_MD_CTX_new(), &EVP_MD_CTX_free);
+      EVP_MD_CTX_new(),
+      &EVP_MD_CTX_free);
   Sha256Digest digest{};
   bool ok = context && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1;
   for (const auto piece : pieces) {

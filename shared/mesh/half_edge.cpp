@@ -5,7 +5,9 @@
 
 namespace limn {
 
-static_assert(sizeof(glm::uvec3) == 3 * sizeof(std::uint32_t), "triangles() views origins as uvec3");
+static_assert(
+    sizeof(glm::uvec3) == 3 * sizeof(std::uint32_t),
+    "triangles() views origins as uvec3");
 
 HalfEdgeId HalfEdgeMesh::find(std::uint32_t a, std::uint32_t b) const {
   const HalfEdgeId first = outgoing[a];
@@ -35,7 +37,9 @@ std::span<const glm::uvec3> HalfEdgeMesh::triangles() const {
 
 namespace {
 
-Error nonManifold(std::string what) { return {ErrorCode::kNonManifold, std::move(what)}; }
+Error nonManifold(std::string what) {
+  return {ErrorCode::kNonManifold, std::move(what)};
+}
 
 std::string edgeName(std::uint32_t a, std::uint32_t b) {
   return std::to_string(a) + "-" + std::to_string(b);
@@ -44,7 +48,8 @@ std::string edgeName(std::uint32_t a, std::uint32_t b) {
 }  // namespace
 
 Result<HalfEdgeMesh> HalfEdgeMesh::build(
-    std::uint32_t vertexCount, std::span<const glm::uvec3> triangles) {
+    std::uint32_t vertexCount,
+    std::span<const glm::uvec3> triangles) {
   HalfEdgeMesh mesh;
   const auto halfEdges = static_cast<std::uint32_t>(3 * triangles.size());
   mesh.origins.resize(halfEdges);
@@ -61,8 +66,9 @@ Result<HalfEdgeMesh> HalfEdgeMesh::build(
     }
     for (int k = 0; k < 3; ++k) {
       if (t[k] >= vertexCount) {
-        return tl::unexpected(nonManifold("face " + std::to_string(f) + " has corner " +
-                                          std::to_string(t[k]) + " of " + std::to_string(vertexCount)));
+        return tl::unexpected(nonManifold(
+            "face " + std::to_string(f) + " has corner " + std::to_string(t[k]) + " of " +
+            std::to_string(vertexCount)));
       }
       const HalfEdgeId h = 3 * f + static_cast<std::uint32_t>(k);
       mesh.origins[h] = t[k];
@@ -75,7 +81,8 @@ Result<HalfEdgeMesh> HalfEdgeMesh::build(
     const std::uint32_t b = mesh.target(h);
     for (HalfEdgeId other = head[a]; other != kNone; other = link[other]) {
       if (other != h && mesh.target(other) == b) {
-        return tl::unexpected(nonManifold("edge " + edgeName(a, b) + " occurs twice in one direction"));
+        return tl::unexpected(
+            nonManifold("edge " + edgeName(a, b) + " occurs twice in one direction"));
       }
     }
     for (HalfEdgeId other = head[b]; other != kNone; other = link[other]) {
@@ -98,7 +105,8 @@ Result<HalfEdgeMesh> HalfEdgeMesh::build(
       if (h == first) break;
     }
     if (fan != degree[v]) {
-      return tl::unexpected(nonManifold("vertex " + std::to_string(v) + " has more than one fan of faces"));
+      return tl::unexpected(
+          nonManifold("vertex " + std::to_string(v) + " has more than one fan of faces"));
     }
   }
   return mesh;
@@ -110,13 +118,16 @@ Result<void> validate(const HalfEdgeMesh& mesh) {
   }
   auto rebuilt = HalfEdgeMesh::build(mesh.vertexCount(), mesh.triangles());
   if (!rebuilt) return tl::unexpected(rebuilt.error());
-  if (rebuilt->twins != mesh.twins) return fail(ErrorCode::kNonManifold, "twins do not match the faces");
+  if (rebuilt->twins != mesh.twins)
+    return fail(ErrorCode::kNonManifold, "twins do not match the faces");
   for (std::uint32_t v = 0; v < mesh.vertexCount(); ++v) {
     const HalfEdgeId h = mesh.outgoing[v];
     if (h == kNone ? rebuilt->outgoing[v] != kNone
                    : h >= mesh.origins.size() || mesh.origins[h] != v ||
                          (rebuilt->isBorderVertex(v) && mesh.twins[h] != kNone)) {
-      return fail(ErrorCode::kNonManifold, "outgoing half-edge of vertex " + std::to_string(v) + " is wrong");
+      return fail(
+          ErrorCode::kNonManifold,
+          "outgoing half-edge of vertex " + std::to_string(v) + " is wrong");
     }
   }
   return {};

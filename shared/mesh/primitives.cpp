@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/mesh/primitives.h"
 
+#include "shared/core/rng.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <utility>
-
-#include "shared/core/rng.h"
 
 namespace limn::primitives {
 namespace {
@@ -53,17 +53,28 @@ std::vector<glm::uvec3> wrappedQuads(int rings, int sides) {
 std::pair<std::vector<glm::dvec3>, std::vector<glm::uvec3>> unitIcosphere(int subdivisions) {
   const double t = (1.0 + std::sqrt(5.0)) / 2.0;
   std::vector<glm::dvec3> points = {
-      {-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0}, {0, -1, t}, {0, 1, t},
-      {0, -1, -t}, {0, 1, -t}, {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}};
-  std::vector<glm::uvec3> triangles = {
-      {0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-      {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-      {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+      {-1, t, 0},
+      {1, t, 0},
+      {-1, -t, 0},
+      {1, -t, 0},
+      {0, -1, t},
+      {0, 1, t},
+      {0, -1, -t},
+      {0, 1, -t},
+      {t, 0, -1},
+      {t, 0, 1},
+      {-t, 0, -1},
+      {-t, 0, 1}};
+  std::vector<glm::uvec3> triangles = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                       {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                       {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                       {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   for (int s = 0; s < subdivisions; ++s) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
       const auto key = std::minmax(a, b);
-      const auto [entry, isNew] = middles.try_emplace(key, static_cast<std::uint32_t>(points.size()));
+      const auto [entry, isNew] =
+          middles.try_emplace(key, static_cast<std::uint32_t>(points.size()));
       if (isNew) points.push_back(0.5 * (points[a] + points[b]));
       return entry->second;
     };
@@ -76,7 +87,8 @@ std::pair<std::vector<glm::dvec3>, std::vector<glm::uvec3>> unitIcosphere(int su
     }
     triangles = std::move(finer);
   }
-  for (glm::dvec3& p : points) p = glm::normalize(p);
+  for (glm::dvec3& p : points)
+    p = glm::normalize(p);
   return {std::move(points), std::move(triangles)};
 }
 
@@ -84,16 +96,28 @@ std::pair<std::vector<glm::dvec3>, std::vector<glm::uvec3>> unitIcosphere(int su
 
 TriangleMesh tetrahedron() {
   return onGrid(
-      {{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
+      {{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}},
+      {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
 }
 
 TriangleMesh cube() {
   std::vector<glm::dvec3> points;
-  for (int i = 0; i < 8; ++i) points.emplace_back(i & 1, (i >> 1) & 1, i >> 2);
+  for (int i = 0; i < 8; ++i)
+    points.emplace_back(i & 1, (i >> 1) & 1, i >> 2);
   return onGrid(
       points,
-      {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-       {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}});
+      {{0, 2, 3},
+       {0, 3, 1},
+       {4, 5, 7},
+       {4, 7, 6},
+       {0, 1, 5},
+       {0, 5, 4},
+       {2, 6, 7},
+       {2, 7, 3},
+       {0, 4, 6},
+       {0, 6, 2},
+       {1, 3, 7},
+       {1, 7, 5}});
 }
 
 TriangleMesh icosphere(int subdivisions) {
@@ -112,7 +136,8 @@ TriangleMesh bumpySphere(int subdivisions, std::uint64_t seed) {
   }
   for (glm::dvec3& p : points) {
     double height = 1.0;
-    for (const glm::dvec4& w : waves) height += 0.03 * std::sin(glm::dot(glm::dvec3(w), p) + w.w);
+    for (const glm::dvec4& w : waves)
+      height += 0.03 * std::sin(glm::dot(glm::dvec3(w), p) + w.w);
     p *= height;
   }
   return onGrid(points, std::move(triangles));

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
+#include "shared/core/camera.h"
+
 #include <glm/glm.hpp>
+
+#include <cstdint>
 #include <span>
 #include <vector>
-
-#include "shared/core/camera.h"
 
 namespace limn {
 
@@ -16,7 +17,10 @@ struct Grid {
   double step = 1.0;       // longest side of the box / (2^bits − 1); > 0
   int bits = 14;           // 11 to 18: prepared positions are 0 … 2^bits − 1 along each axis
 
-  [[nodiscard]] glm::dvec3 toModel(const glm::ivec3& p) const { return origin + step * glm::dvec3(p); }
+  [[nodiscard]] glm::dvec3 toModel(const glm::ivec3& p) const {
+    return origin + step * glm::dvec3(p);
+  }
+
   [[nodiscard]] glm::dvec3 fromModel(const glm::dvec3& p) const { return (p - origin) / step; }
 };
 
@@ -29,6 +33,8 @@ struct TriangleMesh {
 };
 
 /// Centre of the box of `positions`, distance from it to the farthest of them, in model units.
-[[nodiscard]] BoundingSphere boundingSphere(const Grid& grid, std::span<const glm::ivec3> positions);
+[[nodiscard]] BoundingSphere boundingSphere(
+    const Grid& grid,
+    std::span<const glm::ivec3> positions);
 
 }  // namespace limn

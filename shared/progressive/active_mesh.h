@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <glm/glm.hpp>
-#include <span>
-#include <vector>
-
 #include "shared/core/ids.h"
 #include "shared/core/result.h"
 #include "shared/mesh/half_edge.h"
 #include "shared/mesh/triangle_mesh.h"
 #include "shared/progressive/vertex_split.h"
 
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
 namespace limn {
 
-/// A client's mesh: the base mesh and the splits applied so far, in any legal order. Vertices sit in
-/// slots in order of arrival; permanent ids name them to the outside. Always an oriented manifold.
-/// Copyable: a copy is a snapshot.
+/// A client's mesh: the base mesh and the splits applied so far, in any legal order. Vertices sit
+/// in slots in order of arrival; permanent ids name them to the outside. Always an oriented
+/// manifold. Copyable: a copy is a snapshot.
 class ActiveMesh {
  public:
   ActiveMesh() = default;
@@ -25,49 +26,75 @@ class ActiveMesh {
   /// base: levelBegin[1] vertices; vertex i is id i. features: 1 a half-edge, or empty.
   /// Errors: kNonManifold, kCorrupt (counts disagree).
   [[nodiscard]] static Result<ActiveMesh> fromBase(
-      std::vector<std::uint32_t> levelBegin, const TriangleMesh& base, std::span<const std::uint8_t> features);
+      std::vector<std::uint32_t> levelBegin,
+      const TriangleMesh& base,
+      std::span<const std::uint8_t> features);
 
   /// Applies one vertex split, the inverse of an edge collapse [Hoppe96].
-  /// Gains 1 vertex and 1 (border) or 2 faces. Errors: kOutOfRange-like kCorrupt, kNonManifold; the
-  /// mesh is then unchanged. Cost: O(valence). Threads: one writer.
+  /// Gains 1 vertex and 1 (border) or 2 faces. Errors: kCorrupt (an id that is out of range,
+  /// missing or already held), kNonManifold (left and right do not bound a fan); the mesh is then
+  /// unchanged. Cost: O(valence). Threads: one writer.
   [[nodiscard]] Result<void> apply(const VertexSplit& split);
-
-  /// Undoes the split of v, whose dependents must be undone before. Errors: kInvalidArgument.
-  [[nodiscard]] Result<void> undo(VertexId v);
 
   /// The ring of `parent` as it is in the mesh of all vertices coarser than `level` (ids,
   /// counter-clockwise; a path on a border): what cuts of level-`level` splits count in. Recovered
   /// from the current ring by replacing each vertex of this level or finer by its parent and
   /// dropping repeats. Errors: kCorrupt when `parent` is not held. Cost: O(valence).
-  [[nodiscard]] Result<void> canonicalRing(
-      VertexId parent, std::uint32_t level, std::vector<VertexId>& ring) const;
+  [[nodiscard]] Result<void>
+  canonicalRing(VertexId parent, std::uint32_t level, std::vector<VertexId>& ring) const;
 
   [[nodiscard]] bool holds(VertexId v) const { return v < slots_.size() && slots_[v] != kNone; }
+
   [[nodiscard]] Slot slotOf(VertexId v) const { return slots_[v]; }  // kNone when not held
+
   [[nodiscard]] VertexId parentOf(VertexId v) const { return parents_[slots_[v]]; }
+
   [[nodiscard]] std::uint32_t levelOf(VertexId v) const { return limn::levelOf(levelBegin_, v); }
 
-  [[nodiscard]] const HalfEdgeMesh& mesh() const { return mesh_; }             // by slot
-  [[nodiscard]] std::span<const glm::ivec3> positions() const { return positions_; }  // by slot, grid
-  [[nodiscard]] std::span<const VertexId> ids() const { return ids_; }         // by slot
-  [[nodiscard]] std::span<const std::uint8_t> features() const { return features_; }  // by half-edge
+  [[nodiscard]] const HalfEdgeMesh& mesh() const { return mesh_; }  // by slot
+
+  [[nodiscard]] std::span<const glm::ivec3> positions() const {
+    return positions_;
+  }  // by slot, grid
+
+  [[nodiscard]] std::span<const VertexId> ids() const { return ids_; }  // by slot
+
+  [[nodiscard]] std::span<const std::uint8_t> features() const {
+    return features_;
+  }  // by half-edge
+
   [[nodiscard]] std::span<const std::uint32_t> levelBegin() const { return levelBegin_; }
+
   [[nodiscard]] std::uint32_t splitsHeld() const {
     return static_cast<std::uint32_t>(ids_.size()) - baseVertexCount();
   }
-  [[nodiscard]] std::uint32_t baseVertexCount() const { return levelBegin_.size() < 2 ? 0 : levelBegin_[1]; }
+
+  [[nodiscard]] std::uint32_t baseVertexCount() const {
+    return levelBegin_.size() < 2 ? 0 : levelBegin_[1];
+  }
+
   [[nodiscard]] std::uint32_t splitsTotal() const {
     return levelBegin_.empty() ? 0 : levelBegin_.back() - baseVertexCount();
   }
 
  private:
+  /// Where a split opens: the half-edges of u's current ring that the new faces attach to.
+  struct Opening {
+    std::vector<HalfEdgeId> fan;    // half-edges out of u whose faces move to v, ccw
+    HalfEdgeId beforeLeft = kNone;  // l → u of the face (or border edge) before the fan
+    HalfEdgeId afterRight = kNone;  // u → r of the face (or border edge) after the fan
+  };
+
+  [[nodiscard]] Result<Opening> findOpening(const VertexSplit& split) const;
+  void setFeature(HalfEdgeId h, bool isFeature);
+
   std::vector<std::uint32_t> levelBegin_;
   HalfEdgeMesh mesh_;
   std::vector<glm::ivec3> positions_;
   std::vector<VertexId> ids_;
-  std::vector<VertexId> parents_;        // by slot; kNone for base vertices
+  std::vector<VertexId> parents_;  // by slot: id of the parent; kNone for base vertices
   std::vector<std::uint8_t> features_;
-  std::vector<Slot> slots_;              // by vertex id
+  std::vector<Slot> slots_;  // by vertex id
 };
 
 }  // namespace limn

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/core/ids.h"
+
+#include <glm/glm.hpp>
+
 #include <algorithm>
 #include <cstdint>
-#include <glm/glm.hpp>
 #include <span>
-
-#include "shared/core/ids.h"
 
 namespace limn {
 
@@ -28,11 +29,11 @@ struct RingCut {
 
 /// One vertex split, the inverse of an edge collapse [Hoppe96], by permanent ids.
 struct VertexSplit {
-  VertexId vertex = kNone;   // brought in
-  VertexId parent = kNone;   // u: the vertex it was collapsed into
-  VertexId left = kNone;     // l: start of the fan, kNone on a border
-  VertexId right = kNone;    // r: end of the fan, kNone on a border
-  glm::ivec3 position{0};    // of `vertex`, on the grid; the parent keeps its place
+  VertexId vertex = kNone;    // brought in
+  VertexId parent = kNone;    // u: the vertex it was collapsed into
+  VertexId left = kNone;      // l: start of the fan, kNone on a border
+  VertexId right = kNone;     // r: end of the fan, kNone on a border
+  glm::ivec3 position{0};     // of `vertex`, on the grid; the parent keeps its place
   std::uint8_t features = 0;  // SplitFeature
 };
 
