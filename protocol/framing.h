@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "shared/core/result.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace limn::protocol {
+
+/// Appends one message to a section of an asset: its length as u32 little-endian, then its bytes.
+void appendFrame(std::vector<std::uint8_t>& section, std::span<const std::uint8_t> message);
+
+/// Walks the messages of such a section. Reads nothing past its end, whatever the lengths claim.
+class FrameReader {
+ public:
+  explicit FrameReader(std::span<const std::uint8_t> section) : rest_(section) {}
+
+  /// The next message, or nullopt at the end. Errors: kCorrupt (cut short; longer than the largest
+  /// message); the reader then stays where it is.
+  [[nodiscard]] Result<std::optional<std::span<const std::uint8_t>>> next();
+
+ private:
+  std::span<const std::uint8_t> rest_;
+};
+
+}  // namespace limn::protocol
