@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/render/image.h"
+
+#include "shared/core/result.h"
+
+#include <filesystem>
+
+namespace limn {
+
+/// Writes a PNG beside `path` and renames it into place, so that no half picture is ever seen.
+/// Errors: kIo, kInvalidArgument (an empty picture).
+[[nodiscard]] Result<void> writePng(const std::filesystem::path& path, const Image& image);
+
+/// Reads any PNG of at most 8192 × 8192 pixels as RGBA. Errors: kNotFound, kCorrupt,
+/// kLimitExceeded.
+[[nodiscard]] Result<Image> readPng(const std::filesystem::path& path);
+
+}  // namespace limn
