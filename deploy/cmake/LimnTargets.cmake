@@ -38,11 +38,17 @@ function(limn_program name)
   target_compile_definitions(${name} PRIVATE LIMN_VERSION="${PROJECT_VERSION}")
 endfunction()
 
+# Everything that the inner loop (tests/run.sh --quick) runs.
+add_custom_target(limn_quick)
+
 # limn_test(NAME LABEL label SOURCES cpp... LINK lib...): a GoogleTest binary whose cases are CTest tests.
 function(limn_test name)
   cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   limn_warnings(${name})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest_main)
+  if(ARG_LABEL MATCHES "^(unit|conformance)$")
+    add_dependencies(limn_quick ${name})
+  endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS ${ARG_LABEL})
 endfunction()
