@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/core/result.h"
+#include "shared/core/sha256.h"
+
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
-
-#include "shared/core/result.h"
-#include "shared/core/sha256.h"
 
 namespace limn {
 
@@ -33,15 +34,22 @@ class Asset {
   /// The manifest's "report" object: what limn-prepare --json printed, as JSON text.
   [[nodiscard]] virtual const std::string& report() const = 0;
   /// Bytes of a section; valid as long as the asset. Errors: kNotFound.
-  [[nodiscard]] virtual Result<std::span<const std::uint8_t>> section(std::string_view name) const = 0;
+  [[nodiscard]] virtual Result<std::span<const std::uint8_t>> section(
+      std::string_view name) const = 0;
 };
 
 /// An asset that is being written: aside, invisible until commit(). Destroyed without: removed.
 class AssetWriter {
  public:
   virtual ~AssetWriter() = default;
-  [[nodiscard]] virtual Result<void> addSection(std::string_view name, std::span<const std::uint8_t> bytes) = 0;
-  /// Writes the manifest, syncs, renames into place. Errors: kIo (disk full, …).
+  /// name: lower-case letters, digits and '-'; each once. Errors: kInvalidArgument, kIo (disk full,
+  /// …).
+  [[nodiscard]] virtual Result<void> addSection(
+      std::string_view name,
+      std::span<const std::uint8_t> bytes) = 0;
+  /// Writes the manifest, syncs, renames into place. An intact asset of this id that is already
+  /// there stays (the id names the content); a damaged one is quarantined and replaced. reportJson:
+  /// an object. Call once. Errors: kInvalidArgument, kIo (disk full, …).
   [[nodiscard]] virtual Result<void> commit(const std::string& reportJson) = 0;
 };
 
@@ -64,12 +72,24 @@ class AssetStore {
   /// Moves a damaged asset out of the way so that it can be prepared again.
   [[nodiscard]] virtual Result<void> quarantine(const Sha256Digest& id) = 0;
 
+  /// Points a name at an asset; replaces what it pointed at. name: 1 to 200 bytes of UTF-8.
+  /// Errors: kInvalidArgument, kNotFound (no such asset), kIo.
   [[nodiscard]] virtual Result<void> setName(const NameRecord& record) = 0;
+  /// Errors: kNotFound, kIo.
   [[nodiscard]] virtual Result<void> removeName(std::string_view name) = 0;
+  /// Every readable name, sorted.
   [[nodiscard]] virtual Result<std::vector<NameRecord>> names() const = 0;
+  /// File names of the name records that names() had to leave out because they are damaged.
+  [[nodiscard]] virtual Result<std::vector<std::string>> damagedNames() const = 0;
+
+  /// Removes the assets that no name points at, but for those written less than minimumAge ago
+  /// (their name may be on its way). Does nothing while a name is damaged: it may point at any of
+  /// them. Returns how many went. Assets that are open stay readable.
+  [[nodiscard]] virtual Result<std::size_t> removeUnreferenced(std::chrono::seconds minimumAge) = 0;
 };
 
 /// The embedded store: one directory. FORMAT.md has its layout. Creates it when missing.
-[[nodiscard]] Result<std::unique_ptr<AssetStore>> openDirectoryStore(const std::filesystem::path& root);
+[[nodiscard]] Result<std::unique_ptr<AssetStore>> openDirectoryStore(
+    const std::filesystem::path& root);
 
 }  // namespace limn
