@@ -33,6 +33,20 @@ std::string checksumLine(std::span<const std::uint8_t> manifest) {
   return toHex(sha256(manifest)) + "\n";
 }
 
+/// What is in a directory, unsorted. Errors: kIo.
+Result<std::vector<fs::path>> entriesOf(const fs::path& directory) {
+  std::vector<fs::path> entries;
+  std::error_code error;
+  for (fs::directory_iterator entry(directory, error), end; !error && entry != end;
+       entry.increment(error)) {
+    entries.push_back(entry->path());
+  }
+  if (error) {
+    return fail(ErrorCode::kIo, "cannot list " + directory.string() + ": " + error.message());
+  }
+  return entries;
+}
+
 /// Paths of a store, and a name below tmp/ that nobody else has.
 struct Layout {
   fs::path root;
@@ -236,7 +250,8 @@ class DirectoryStore final : public AssetStore {
   }
 
   Result<void> quarantine(const Sha256Digest& id) override {
-    if (!fs::exists(layout_.asset(id))) {
+    std::error_code error;
+    if (!fs::exists(layout_.asset(id), error)) {
       return fail(ErrorCode::kNotFound, "there is no asset " + toHex(id));
     }
     return quarantineAsset(*ops_, layout_, id);
@@ -299,38 +314,40 @@ class DirectoryStore final : public AssetStore {
     const auto read = readNames();
     if (!read) return tl::unexpected(read.error());
     if (!read->damaged.empty()) return std::size_t{0};
+    const auto entries = entriesOf(layout_.assets());
+    if (!entries) return tl::unexpected(entries.error());
     std::size_t removed = 0;
-    std::error_code error;
     const auto newest = fs::file_time_type::clock::now() - minimumAge;
-    for (const fs::directory_entry& entry : fs::directory_iterator(layout_.assets(), error)) {
-      const auto id = digestFromHex(entry.path().filename().string());
+    for (const fs::path& entry : *entries) {
+      const auto id = digestFromHex(entry.filename().string());
       if (!id) continue;
       const bool named = std::ranges::any_of(read->records, [&](const NameRecord& record) {
         return record.asset == *id;
       });
-      std::error_code timeError;
-      // The directory's own time moves when it is renamed into place on some file systems only; the
-      // manifest is the last file written.
-      const auto written = fs::last_write_time(entry.path() / kManifestFile, timeError);
-      if (named || (!timeError && written > newest)) continue;
+      // Not the directory's own time: some file systems move it when it is renamed.
+      std::error_code error;
+      const auto written = fs::last_write_time(entry / kManifestFile, error);
+      if (named || (!error && written > newest)) continue;
       // Renamed away first, so that a crash half-way leaves no half asset.
       const fs::path aside = layout_.aside("removed");
-      if (auto moved = ops_->rename(entry.path(), aside); !moved)
-        return tl::unexpected(moved.error());
+      if (auto moved = ops_->rename(entry, aside); !moved) return tl::unexpected(moved.error());
       if (auto gone = ops_->removeAll(aside); !gone) return tl::unexpected(gone.error());
       ++removed;
     }
-    if (error) return fail(ErrorCode::kIo, "cannot list " + layout_.assets().string());
     return removed;
   }
 
   /// Removes what dead processes left below tmp/.
   void collectLeftovers() {
-    std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(layout_.tmp(), error)) {
-      // Held until the entry is gone, so that a writer that has just made it notices.
-      const auto lock = tryLock(entry.path());
-      if (lock) static_cast<void>(ops_->removeAll(entry.path()));
+    // Names are written and assets removed under the store's lock; assets in the making are locked
+    // one by one, and that lock is held until the entry is gone, so that a writer that has just
+    // made it notices.
+    const auto storeLock = waitForLock(layout_.lock());
+    const auto entries = entriesOf(layout_.tmp());
+    if (!storeLock || !entries) return;
+    for (const fs::path& entry : *entries) {
+      const auto lock = tryLock(entry);
+      if (lock) static_cast<void>(ops_->removeAll(entry));
     }
   }
 
@@ -342,10 +359,11 @@ class DirectoryStore final : public AssetStore {
 
   Result<NameList> readNames() const {
     NameList list;
-    std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(layout_.names(), error)) {
-      const std::string file = entry.path().filename().string();
-      const auto text = MappedFile::open(entry.path());
+    const auto entries = entriesOf(layout_.names());
+    if (!entries) return tl::unexpected(entries.error());
+    for (const fs::path& entry : *entries) {
+      const std::string file = entry.filename().string();
+      const auto text = MappedFile::open(entry);
       if (!text && text.error().code == ErrorCode::kNotFound) continue;  // removed meanwhile
       auto record =
           text ? parseNameRecord(text->bytes()) : Result<NameRecord>(tl::unexpected(text.error()));
@@ -354,11 +372,6 @@ class DirectoryStore final : public AssetStore {
       } else {
         list.damaged.push_back(file);
       }
-    }
-    if (error) {
-      return fail(
-          ErrorCode::kIo,
-          "cannot list " + layout_.names().string() + ": " + error.message());
     }
     std::ranges::sort(list.records, {}, &NameRecord::name);
     std::ranges::sort(list.damaged);
