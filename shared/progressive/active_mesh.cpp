@@ -52,6 +52,9 @@ Result<ActiveMesh::Opening> ActiveMesh::findOpening(const VertexSplit& split) co
   }
   if (holds(split.vertex)) return corrupt(split.vertex, "already held");
   if (!holds(split.parent)) return corrupt(split.vertex, "its parent is not held");
+  // Coarser neighbours only: this is also what ends the search for an ancestor.
+  const VertexId levelBegin = levelBegin_[levelOf(split.vertex)];
+  if (split.parent >= levelBegin) return corrupt(split.vertex, "its parent is not coarser");
   if (split.left == split.right) return corrupt(split.vertex, "its fan has no end");
   for (const VertexId side : {split.left, split.right}) {
     if (side != kNone && !holds(side)) return corrupt(split.vertex, "a side vertex is not held");
@@ -81,7 +84,6 @@ Result<ActiveMesh::Opening> ActiveMesh::findOpening(const VertexSplit& split) co
   while (h != kNone && (r == kNone || mesh_.target(h) != r)) {
     opening.fan.push_back(h);
     h = mesh_.rotateCcw(h);
-    if (h == first && r == kNone) h = kNone;
     if (!opening.fan.empty() && h == opening.fan.front()) {
       return fail(ErrorCode::kNonManifold, "right vertex is not a neighbour of the parent");
     }

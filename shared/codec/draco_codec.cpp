@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/codec/draco_codec.h"
+
+#include <draco/compression/decode.h>
+#include <draco/compression/encode.h>
+#include <draco/mesh/mesh.h>
+
+#include <memory>
+#include <string>
+
+namespace limn {
+namespace {
+
+std::unique_ptr<draco::Mesh> toDraco(const TriangleMesh& mesh) {
+  auto result = std::make_unique<draco::Mesh>();
+  const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
+  result->set_num_points(vertices);
+  result->SetNumFaces(mesh.triangles.size());
+  for (std::uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    draco::Mesh::Face face;
+    for (int k = 0; k < 3; ++k)
+      face[k] = draco::PointIndex(mesh.triangles[f][k]);
+    result->SetFace(draco::FaceIndex(f), face);
+  }
+  draco::GeometryAttribute description;
+  description.Init(
+      draco::GeometryAttribute::POSITION,
+      nullptr,
+      3,
+      draco::DT_INT32,
+      false,
+      3 * sizeof(std::int32_t),
+      0);
+  draco::PointAttribute* positions =
+      result->attribute(result->AddAttribute(description, true, vertices));
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    positions->SetAttributeValue(draco::AttributeValueIndex(v), &mesh.positions[v].x);
+  }
+  return result;
+}
+
+// Numbers the vertices as a second attribute, so that a decoder's order can be read off.
+void addNumbers(draco::Mesh& mesh) {
+  draco::GeometryAttribute description;
+  description.Init(
+      draco::GeometryAttribute::GENERIC,
+      nullptr,
+      1,
+      draco::DT_UINT32,
+      false,
+      sizeof(std::uint32_t),
+      0);
+  draco::PointAttribute* numbers =
+      mesh.attribute(mesh.AddAttribute(description, true, mesh.num_points()));
+  for (std::uint32_t v = 0; v < mesh.num_points(); ++v) {
+    numbers->SetAttributeValue(draco::AttributeValueIndex(v), &v);
+  }
+}
+
+bool encode(const draco::Mesh& mesh, int speed, draco::EncoderBuffer& buffer) {
+  draco::Encoder encoder;
+  encoder.SetSpeedOptions(speed, speed);
+  encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+  return encoder.EncodeMeshToBuffer(mesh, &buffer).ok();
+}
+
+// Draco's varint, as its header uses it.
+bool readVarint(std::span<const std::uint8_t>& bytes, std::uint32_t& value) {
+  value = 0;
+  for (int shift = 0; shift < 35 && !bytes.empty(); shift += 7) {
+    const std::uint8_t byte = bytes.front();
+    bytes = bytes.subspan(1);
+    value |= static_cast<std::uint32_t>(byte & 0x7F) << shift;
+    if ((byte & 0x80) == 0) return true;
+  }
+  return false;
+}
+
+// Draco's decoder allocates what the header claims, so the claims are checked before it runs
+// (bitstream 2.2 of a mesh, edgebreaker: the only kind that we write).
+Result<void> checkHeader(
+    std::span<const std::uint8_t> bytes,
+    std::uint32_t maxVertices,
+    std::uint32_t maxFaces) {
+  constexpr std::uint8_t kExpected[] =
+      {'D', 'R', 'A', 'C', 'O', 2, 2, draco::TRIANGULAR_MESH, draco::MESH_EDGEBREAKER_ENCODING};
+  constexpr std::size_t kFlags = 2;
+  constexpr std::size_t kTraversal = 1;
+  if (bytes.size() < sizeof(kExpected) + kFlags + kTraversal ||
+      !std::equal(std::begin(kExpected), std::end(kExpected), bytes.begin())) {
+    return fail(ErrorCode::kCorrupt, "not an edgebreaker Draco mesh");
+  }
+  bytes = bytes.subspan(sizeof(kExpected) + kFlags + kTraversal);
+  std::uint32_t vertices = 0;
+  std::uint32_t faces = 0;
+  if (!readVarint(bytes, vertices) || !readVarint(bytes, faces)) {
+    return fail(ErrorCode::kCorrupt, "Draco mesh is cut short");
+  }
+  if (vertices > maxVertices || faces > maxFaces) {
+    return fail(
+        ErrorCode::kLimitExceeded,
+        "Draco mesh claims " + std::to_string(vertices) + " vertices and " + std::to_string(faces) +
+            " faces");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<DracoMesh> encodeDraco(const TriangleMesh& mesh, int speed) {
+  if (mesh.triangles.empty())
+    return fail(ErrorCode::kInvalidArgument, "a mesh without faces cannot be coded");
+  DracoMesh result;
+  {
+    // The traversal depends on connectivity alone: with and without numbers it is the same.
+    const std::unique_ptr<draco::Mesh> numbered = toDraco(mesh);
+    addNumbers(*numbered);
+    draco::EncoderBuffer buffer;
+    if (!encode(*numbered, speed, buffer))
+      return fail(ErrorCode::kCorrupt, "Draco cannot code this mesh");
+    draco::DecoderBuffer in;
+    in.Init(buffer.data(), buffer.size());
+    auto decoded = draco::Decoder().DecodeMeshFromBuffer(&in);
+    if (!decoded.ok()) return fail(ErrorCode::kCorrupt, "Draco cannot decode its own mesh");
+    const draco::Mesh& back = *decoded.value();
+    const draco::PointAttribute* numbers =
+        back.GetNamedAttribute(draco::GeometryAttribute::GENERIC);
+    if (numbers == nullptr || back.num_points() != mesh.positions.size()) {
+      return fail(ErrorCode::kNonManifold, "Draco changes the vertex count of this mesh");
+    }
+    result.order.resize(back.num_points());
+    for (std::uint32_t i = 0; i < back.num_points(); ++i) {
+      numbers->GetMappedValue(draco::PointIndex(i), &result.order[i]);
+    }
+  }
+  draco::EncoderBuffer buffer;
+  if (!encode(*toDraco(mesh), speed, buffer))
+    return fail(ErrorCode::kCorrupt, "Draco cannot code this mesh");
+  const auto* data = reinterpret_cast<const std::uint8_t*>(buffer.data());
+  result.bytes.assign(data, data + buffer.size());
+  return result;
+}
+
+Result<TriangleMesh> decodeDraco(
+    std::span<const std::uint8_t> bytes,
+    std::uint32_t maxVertices,
+    std::uint32_t maxFaces) {
+  if (auto ok = checkHeader(bytes, maxVertices, maxFaces); !ok) return tl::unexpected(ok.error());
+  draco::DecoderBuffer in;
+  in.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  auto decoded = draco::Decoder().DecodeMeshFromBuffer(&in);
+  if (!decoded.ok()) return fail(ErrorCode::kCorrupt, "Draco mesh is damaged");
+  const draco::Mesh& mesh = *decoded.value();
+  const draco::PointAttribute* positions =
+      mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
+  if (positions == nullptr || positions->data_type() != draco::DT_INT32 ||
+      positions->num_components() != 3 || mesh.num_points() > maxVertices ||
+      mesh.num_faces() > maxFaces) {
+    return fail(ErrorCode::kCorrupt, "Draco mesh has no integer positions");
+  }
+  TriangleMesh result;
+  result.positions.resize(mesh.num_points());
+  for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
+    const draco::PointIndex point(i);
+    if (positions->mapped_index(point).value() >= positions->size()) {
+      return fail(ErrorCode::kCorrupt, "Draco mesh is damaged");
+    }
+    positions->GetMappedValue(point, &result.positions[i].x);
+  }
+  result.triangles.resize(mesh.num_faces());
+  for (std::uint32_t f = 0; f < mesh.num_faces(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t corner = mesh.face(draco::FaceIndex(f))[k].value();
+      if (corner >= mesh.num_points()) return fail(ErrorCode::kCorrupt, "Draco mesh is damaged");
+      result.triangles[f][k] = corner;
+    }
+  }
+  return result;
+}
+
+}  // namespace limn
