@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
+#include "shared/core/ids.h"
+
 #include <glm/glm.hpp>
+
+#include <cstdint>
 #include <span>
 #include <vector>
-
-#include "shared/core/ids.h"
 
 namespace limn {
 
@@ -19,9 +20,10 @@ struct SeedTable {
     VertexId vertex = kNone;
     std::uint32_t parent = kNone;  // index into nodes; kNone: a vertex of the base mesh
   };
-  std::vector<glm::vec3> directions;         // viewpoints: unit vectors from the model's centre
-  std::vector<std::uint32_t> seedBegin;      // directions + 1 offsets into seeds
-  std::vector<std::uint32_t> seeds;          // indices into nodes
+
+  std::vector<glm::vec3> directions;     // viewpoints: unit vectors from the model's centre
+  std::vector<std::uint32_t> seedBegin;  // directions + 1 offsets into seeds
+  std::vector<std::uint32_t> seeds;      // indices into nodes
   std::vector<Node> nodes;
 };
 

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/stroke/polyline.h"
+
+#include "shared/mesh/half_edge.h"
+#include "shared/silhouette/detector.h"
+#include "shared/silhouette/field.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace limn {
+
+/// Chains detected silhouettes into polylines. Keeps its working memory from frame to frame, so one
+/// chainer should live as long as its view. Threads: one caller at a time.
+class SilhouetteChainer {
+ public:
+  /// Every segment of `found` becomes a segment of exactly one line. Lines run with the front side
+  /// to their left (seen from outside), never cross one another, and close wherever the mesh has no
+  /// border (given all silhouettes). kEdges: where more than two edges meet, a line goes on along
+  /// the same front-facing sector. kSmooth: points lie on crossed edges, and each is shared exactly
+  /// by the two segments that meet there.
+  /// `found` must come from `field` and `view`. The result stays valid until the next call.
+  /// Cost: O(segments · valence).
+  [[nodiscard]] const PolylineSet&
+  chain(const SilhouetteField& field, const SilhouetteView& view, const SilhouetteResult& found);
+
+ private:
+  void chainEdges(const SilhouetteField& field, const SilhouetteResult& found);
+  void
+  chainSmooth(const SilhouetteField& field, const glm::vec4& eye, const SilhouetteResult& found);
+  void beginFrame(std::size_t faces);
+
+  PolylineSet lines_;
+  // One a face: the frame of its last mark above, mark bits below; nothing is cleared between
+  // frames.
+  std::vector<std::uint32_t> marks_;
+  std::uint32_t frame_ = 0;
+};
+
+struct FeatureChainOptions {
+  /// A line breaks where it would turn by more than this (degrees).
+  double cornerAngleDegrees = 60.0;
+};
+
+/// Chains the edges that are lines from every view: creases and seams (bits of `features`, one byte
+/// a half-edge, EdgeFeature; empty: none) and borders (kind kBorder, the face to their left). At a
+/// vertex each line goes on along the straightest partner of its kind; lines break at corners and
+/// where an odd one is left over. Each edge is used once.
+/// Depends on the mesh alone: do it once a mesh state. Cost: O(half-edges).
+[[nodiscard]] PolylineSet chainFeatures(
+    const HalfEdgeMesh& mesh,
+    std::span<const glm::ivec3> positions,
+    std::span<const std::uint8_t> features,
+    const FeatureChainOptions& options = {});
+
+}  // namespace limn

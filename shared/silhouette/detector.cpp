@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/silhouette/detector.h"
+
+#include "shared/core/assert.h"
+#include "shared/silhouette/brute_force.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace limn {
+namespace {
+
+constexpr std::array<std::pair<DetectorMethod, std::string_view>, 3> kNames = {{
+    {DetectorMethod::kBrute, "brute"},
+    {DetectorMethod::kCones, "cones"},
+    {DetectorMethod::kPrecomputed, "precomputed"},
+}};
+
+// How many of `wanted` are in `given`; both are sets.
+std::size_t countCommon(std::vector<std::uint32_t> given, std::vector<std::uint32_t> wanted) {
+  std::sort(given.begin(), given.end());
+  std::sort(wanted.begin(), wanted.end());
+  std::vector<std::uint32_t> common;
+  std::set_intersection(
+      given.begin(),
+      given.end(),
+      wanted.begin(),
+      wanted.end(),
+      std::back_inserter(common));
+  return common.size();
+}
+
+}  // namespace
+
+std::string_view detectorName(DetectorMethod method) {
+  for (const auto& [value, name] : kNames) {
+    if (value == method) return name;
+  }
+  return "unknown";
+}
+
+std::optional<DetectorMethod> detectorFromName(std::string_view name) {
+  for (const auto& [value, known] : kNames) {
+    if (known == name) return value;
+  }
+  return std::nullopt;
+}
+
+std::unique_ptr<SilhouetteDetector> makeDetector(
+    DetectorMethod method,
+    const SilhouetteField& field,
+    [[maybe_unused]] const DetectorOptions& options) {
+  switch (method) {
+    // Until the other two land, the oracle stands in: complete, only slower.
+    case DetectorMethod::kBrute:
+    case DetectorMethod::kCones:
+    case DetectorMethod::kPrecomputed:
+      return std::make_unique<BruteForceDetector>(field);
+  }
+  LIMN_ASSERT(false);
+  return nullptr;
+}
+
+double recall(const SilhouetteResult& found, const SilhouetteResult& truth) {
+  const std::size_t wanted = truth.edges.size() + truth.faces.size();
+  if (wanted == 0) return 1.0;
+  const std::size_t common =
+      countCommon(found.edges, truth.edges) + countCommon(found.faces, truth.faces);
+  return static_cast<double>(common) / static_cast<double>(wanted);
+}
+
+}  // namespace limn
