@@ -39,24 +39,6 @@ std::unique_ptr<draco::Mesh> toDraco(const TriangleMesh& mesh) {
   return result;
 }
 
-// Numbers the vertices as a second attribute, so that a decoder's order can be read off.
-void addNumbers(draco::Mesh& mesh) {
-  draco::GeometryAttribute description;
-  description.Init(
-      draco::GeometryAttribute::GENERIC,
-      nullptr,
-      1,
-      draco::DT_UINT32,
-      false,
-      sizeof(std::uint32_t),
-      0);
-  draco::PointAttribute* numbers =
-      mesh.attribute(mesh.AddAttribute(description, true, mesh.num_points()));
-  for (std::uint32_t v = 0; v < mesh.num_points(); ++v) {
-    numbers->SetAttributeValue(draco::AttributeValueIndex(v), &v);
-  }
-}
-
 bool encode(const draco::Mesh& mesh, int speed, draco::EncoderBuffer& buffer) {
   draco::Encoder encoder;
   encoder.SetSpeedOptions(speed, speed);
@@ -111,28 +93,25 @@ Result<DracoMesh> encodeDraco(const TriangleMesh& mesh, int speed) {
   if (mesh.triangles.empty())
     return fail(ErrorCode::kInvalidArgument, "a mesh without faces cannot be coded");
   DracoMesh result;
-  {
-    // The traversal depends on connectivity alone: with and without numbers it is the same.
-    const std::unique_ptr<draco::Mesh> numbered = toDraco(mesh);
-    addNumbers(*numbered);
-    draco::EncoderBuffer buffer;
-    if (!encode(*numbered, speed, buffer))
-      return fail(ErrorCode::kCorrupt, "Draco cannot code this mesh");
-    draco::DecoderBuffer in;
-    in.Init(buffer.data(), buffer.size());
-    auto decoded = draco::Decoder().DecodeMeshFromBuffer(&in);
-    if (!decoded.ok()) return fail(ErrorCode::kCorrupt, "Draco cannot decode its own mesh");
-    const draco::Mesh& back = *decoded.value();
-    const draco::PointAttribute* numbers =
-        back.GetNamedAttribute(draco::GeometryAttribute::GENERIC);
-    if (numbers == nullptr || back.num_points() != mesh.positions.size()) {
-      return fail(ErrorCode::kNonManifold, "Draco changes the vertex count of this mesh");
-    }
-    result.order.resize(back.num_points());
-    for (std::uint32_t i = 0; i < back.num_points(); ++i) {
-      numbers->GetMappedValue(draco::PointIndex(i), &result.order[i]);
-    }
+  // A decoder numbers vertices as its traversal of the connectivity meets them. Positions do not
+  // matter for that: a first pass carries vertex numbers in their place, and tells the order.
+  TriangleMesh numbered{mesh.grid, {}, mesh.triangles};
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
+    numbered.positions.emplace_back(v, 0, 0);
+  draco::EncoderBuffer numbers;
+  if (!encode(*toDraco(numbered), speed, numbers)) {
+    return fail(ErrorCode::kCorrupt, "Draco cannot code this mesh");
   }
+  const auto back = decodeDraco(
+      {reinterpret_cast<const std::uint8_t*>(numbers.data()), numbers.size()},
+      static_cast<std::uint32_t>(mesh.positions.size()),
+      static_cast<std::uint32_t>(mesh.triangles.size()));
+  if (!back) return tl::unexpected(back.error());
+  if (back->positions.size() != mesh.positions.size()) {
+    return fail(ErrorCode::kNonManifold, "Draco changes the vertex count of this mesh");
+  }
+  for (const glm::ivec3& p : back->positions)
+    result.order.push_back(static_cast<std::uint32_t>(p.x));
   draco::EncoderBuffer buffer;
   if (!encode(*toDraco(mesh), speed, buffer))
     return fail(ErrorCode::kCorrupt, "Draco cannot code this mesh");

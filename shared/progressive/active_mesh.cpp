@@ -161,6 +161,8 @@ Result<void> ActiveMesh::apply(const VertexSplit& split) {
   } else if (outgoingMoves) {
     mesh_.outgoing[u] = leftFace;
   }
+  if (hasLeft && fanFirst == kNone) mesh_.outgoing[slotOf(split.left)] = leftFace + 1;
+  if (hasRight && afterRight == kNone) mesh_.outgoing[slotOf(split.right)] = rightFace + 2;
   if (hasLeft) {
     mesh_.outgoing.push_back(leftFace + 2);
   } else {

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "shared/core/result.h"
+#include "shared/mesh/half_edge.h"
+#include "shared/mesh/triangle_mesh.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace limn {
+
+/// A half-edge collapse v → u [Hoppe96]: u keeps its place. The sides are the third corners of the
+/// one or two faces that vanish; kNone on a border.
+struct HalfEdgeCollapse {
+  std::uint32_t removed = kNone;  // v
+  std::uint32_t kept = kNone;     // u
+  std::uint32_t left = kNone;     // l: around u counter-clockwise come l, v, r
+  std::uint32_t right = kNone;    // r
+  std::uint8_t features = 0;      // SplitFeature bits of the edges before the collapse
+  std::size_t ringSize = 0;       // neighbours of u after the collapse
+};
+
+/// A triangle mesh that is simplified by half-edge collapses. Vertex numbers are those of the
+/// input; dead faces are compacted on demand.
+class CollapseMesh {
+ public:
+  /// features: EdgeFeature bits, 1 a half-edge. Errors: kNonManifold.
+  [[nodiscard]] static Result<CollapseMesh> build(
+      const TriangleMesh& mesh,
+      std::vector<std::uint8_t> features);
+
+  /// The collapse v → u of the edge between them, if it keeps the mesh a simple manifold: the link
+  /// condition [Dey99, "Topology preserving edge contraction"], border rules, no face turned over.
+  /// nullopt otherwise. Cost: O(valence of both).
+  [[nodiscard]] std::optional<HalfEdgeCollapse> plan(std::uint32_t v, std::uint32_t u) const;
+
+  /// Carries out a collapse that plan() returned and nothing has touched since.
+  void collapse(const HalfEdgeCollapse& collapse);
+
+  /// Removes dead faces, so that the arrays shrink with the mesh.
+  void compact();
+
+  [[nodiscard]] const HalfEdgeMesh& mesh() const { return mesh_; }
+
+  [[nodiscard]] const std::vector<glm::ivec3>& positions() const { return positions_; }
+
+  [[nodiscard]] const std::vector<std::uint8_t>& features() const { return features_; }
+
+  [[nodiscard]] std::uint32_t aliveFaces() const { return aliveFaces_; }
+
+  /// A face that no collapse has removed.
+  [[nodiscard]] bool isAlive(FaceId f) const { return mesh_.origins[3 * f] != kNone; }
+
+  /// Twice the area times the unit normal, exact.
+  [[nodiscard]] glm::dvec3 areaNormal(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
+
+ private:
+  [[nodiscard]] bool turnsFaceOver(std::uint32_t v, std::uint32_t u) const;
+  HalfEdgeId removeFace(HalfEdgeId inner);
+  void settleOutgoing(std::uint32_t v, HalfEdgeId any);
+
+  HalfEdgeMesh mesh_;
+  std::vector<glm::ivec3> positions_;
+  std::vector<std::uint8_t> features_;
+  std::uint32_t aliveFaces_ = 0;
+};
+
+}  // namespace limn

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/preprocess/build_forest.h"
+#include "tests/property/legal_order.h"
+
+#include "shared/mesh/feature_edges.h"
+#include "shared/mesh/primitives.h"
+#include "shared/progressive/active_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+namespace limn {
+namespace {
+
+struct Shape {
+  const char* name;
+  TriangleMesh mesh;
+};
+
+std::vector<Shape> shapes() {
+  return {
+      {"tetrahedron", primitives::tetrahedron()},
+      {"cube", primitives::cube()},
+      {"icosphere", primitives::icosphere(4)},
+      {"torus", primitives::torus(60, 24)},
+      {"knot", primitives::torusKnot(2, 3, 240, 12)},
+      {"grid", primitives::openGrid(40, 30)},
+      {"bumpy", primitives::bumpySphere(4, 3)}};
+}
+
+ForestOptions smallBase() {
+  ForestOptions options;
+  options.baseFaces = 60;
+  return options;
+}
+
+// Faces as sorted rotations of their permanent ids: equal meshes have equal lists.
+std::vector<std::array<VertexId, 3>> canonicalFaces(
+    std::span<const glm::uvec3> triangles,
+    std::span<const VertexId> ids) {
+  std::vector<std::array<VertexId, 3>> faces;
+  for (const glm::uvec3& t : triangles) {
+    std::array<VertexId, 3> face{ids[t.x], ids[t.y], ids[t.z]};
+    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    faces.push_back(face);
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+std::vector<std::array<VertexId, 3>> fullFaces(const SplitForest& forest) {
+  std::vector<VertexId> identity(forest.vertexCount());
+  for (VertexId v = 0; v < identity.size(); ++v)
+    identity[v] = v;
+  return canonicalFaces(forest.triangles, identity);
+}
+
+ActiveMesh baseOf(const SplitForest& forest) {
+  TriangleMesh base{forest.grid, {}, forest.baseTriangles};
+  base.positions.assign(
+      forest.positions.begin(),
+      forest.positions.begin() + forest.baseVertexCount());
+  auto active = ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
+  EXPECT_TRUE(active) << active.error().message;
+  return active ? std::move(*active) : ActiveMesh();
+}
+
+class Progressive : public testing::TestWithParam<std::size_t> {
+ protected:
+  void SetUp() override {
+    shape_ = shapes()[GetParam()];
+    SCOPED_TRACE(shape_.name);
+    auto built = buildForest(shape_.mesh, smallBase());
+    ASSERT_TRUE(built) << built.error().message;
+    built_ = std::move(*built);
+  }
+
+  Shape shape_;
+  BuiltForest built_;
+};
+
+TEST_P(Progressive, AnyLegalOrderEndsInTheFullMesh) {
+  const SplitForest& forest = built_.forest;
+  const auto expected = fullFaces(forest);
+  Rng rng(GetParam() + 1);
+  for (int run = 0; run < 4; ++run) {
+    const auto order =
+        randomLegalOrder(forest, rng, run % 2 == 0 ? OrderKind::kUniform : OrderKind::kDepthFirst);
+    ASSERT_EQ(order.size(), forest.splitCount());
+    ActiveMesh active = baseOf(forest);
+    std::vector<VertexId> ring;
+    for (const VertexId v : order) {
+      ASSERT_TRUE(active.canonicalRing(forest.parent(v), forest.levelOf(v), ring));
+      const auto stored = forest.ring(v);
+      ASSERT_TRUE(std::equal(ring.begin(), ring.end(), stored.begin(), stored.end()))
+          << "split " << v << " of level " << forest.levelOf(v) << ": "
+          << testing::PrintToString(ring) << " instead of "
+          << testing::PrintToString(std::vector<VertexId>(stored.begin(), stored.end()));
+      const auto applied = active.apply(forest.split(v));
+      ASSERT_TRUE(applied) << applied.error().message;
+    }
+    EXPECT_TRUE(validate(active.mesh()));
+    EXPECT_EQ(canonicalFaces(active.mesh().triangles(), active.ids()), expected);
+  }
+}
+
+TEST_P(Progressive, EveryClosedSubsetIsAManifold) {
+  const SplitForest& forest = built_.forest;
+  Rng rng(99);
+  const auto order = randomLegalOrder(forest, rng, OrderKind::kDepthFirst);
+  ActiveMesh active = baseOf(forest);
+  const std::size_t step = std::max<std::size_t>(1, order.size() / 12);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    ASSERT_TRUE(active.apply(forest.split(order[i])));
+    if (i % step == 0) {
+      const auto valid = validate(active.mesh());
+      ASSERT_TRUE(valid) << valid.error().message;
+    }
+  }
+}
+
+// A face of the full mesh is in a client's mesh as soon as its last-numbered corner is: what the
+// server's choice of splits for exact silhouettes rests on.
+TEST_P(Progressive, AFullFaceIsPresentOnceItsFinestCornerIs) {
+  const SplitForest& forest = built_.forest;
+  Rng rng(5);
+  const auto order = randomLegalOrder(forest, rng, OrderKind::kDepthFirst);
+  ActiveMesh active = baseOf(forest);
+  for (std::size_t i = 0; i < order.size() / 2; ++i)
+    ASSERT_TRUE(active.apply(forest.split(order[i])));
+  const auto present = canonicalFaces(active.mesh().triangles(), active.ids());
+  for (const auto& face : fullFaces(forest)) {
+    if (active.holds(*std::max_element(face.begin(), face.end()))) {
+      EXPECT_TRUE(std::binary_search(present.begin(), present.end(), face));
+    }
+  }
+}
+
+TEST_P(Progressive, CreasesOfTheFullMeshComeBackInAnyOrder) {
+  const SplitForest& forest = built_.forest;
+  auto full = HalfEdgeMesh::build(forest.vertexCount(), forest.triangles);
+  ASSERT_TRUE(full);
+  const auto creases = findCreases(*full, forest.positions, smallBase().creaseAngleDegrees);
+  Rng rng(11);
+  ActiveMesh active = baseOf(forest);
+  for (const VertexId v : randomLegalOrder(forest, rng, OrderKind::kUniform)) {
+    ASSERT_TRUE(active.apply(forest.split(v)));
+  }
+  for (HalfEdgeId h = 0; h < creases.size(); ++h) {
+    const HalfEdgeId mine =
+        active.mesh().find(active.slotOf(full->origin(h)), active.slotOf(full->target(h)));
+    ASSERT_NE(mine, kNone);
+    EXPECT_EQ(active.features()[mine], creases[h]);
+  }
+}
+
+TEST_P(Progressive, ThreadsDoNotChangeTheForest) {
+  ForestOptions options = smallBase();
+  options.threads = 1;
+  const auto other = buildForest(shape_.mesh, options);
+  ASSERT_TRUE(other);
+  EXPECT_EQ(serializeForest(other->forest), serializeForest(built_.forest));
+  EXPECT_EQ(other->baseDraco, built_.baseDraco);
+}
+
+TEST_P(Progressive, TheForestSurvivesSerialisationAndNoTruncationPasses) {
+  const auto bytes = serializeForest(built_.forest);
+  const auto back = parseForest(bytes);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(serializeForest(*back), bytes);
+  const std::size_t step = std::max<std::size_t>(1, bytes.size() / 200);
+  for (std::size_t cut = 0; cut < bytes.size(); cut += step) {
+    EXPECT_FALSE(parseForest(std::span(bytes).first(cut)));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Shapes,
+    Progressive,
+    testing::Range<std::size_t>(0, 7),
+    [](const auto& shape) { return std::string(shapes()[shape.param].name); });
+
+}  // namespace
+}  // namespace limn
