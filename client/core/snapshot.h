@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <memory>
-#include <string>
-
 #include "shared/core/camera.h"
 #include "shared/core/sha256.h"
 #include "shared/mesh/triangle_mesh.h"
 #include "shared/progressive/active_mesh.h"
 #include "shared/silhouette/seed_table.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
 
 namespace limn {
 
@@ -18,7 +18,7 @@ struct ModelDescription {
   std::string name;
   Sha256Digest asset{};
   Grid grid;
-  BoundingSphere sphere;      // of the prepared mesh
+  BoundingSphere sphere;       // of the prepared mesh
   std::uint32_t vertices = 0;  // of the full mesh
   std::uint32_t faces = 0;
   bool closed = false;

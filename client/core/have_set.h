@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/core/stream_decoder.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace limn {
+
+/// The HaveSet messages, encoded and in order, that tell a server what `decoder` holds of its model
+/// (which it must have begun). At least one; the last one says so. Cost: O(vertices).
+[[nodiscard]] std::vector<std::vector<std::uint8_t>> encodeHaveSet(
+    const StreamDecoder& decoder,
+    std::uint8_t channel);
+
+}  // namespace limn

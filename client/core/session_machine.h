@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/core/byte_counters.h"
+#include "client/core/pose_reporter.h"
+#include "client/core/session_state.h"
+#include "client/core/stream_decoder.h"
+
+#include "shared/core/result.h"
+#include "shared/core/rng.h"
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace limn {
+
+/// What a client does about one model of one server, from the first Hello to the state that was
+/// asked for, over lost connections too. It has no thread, socket or clock: events and the time go
+/// in, messages and a wish for a connection come out, so that every path can be tested.
+///
+/// Phases (SPEC.md "States" has them with the server's side):
+///
+///   kConnecting → kGreeting (Hello sent) → kOpening (Open sent) → kStreaming → kDone
+///        ↑________________ kWaiting (backoff) ←__ any loss __________|       kFailed
+///
+/// A session that has begun a model opens it again with `resume` and its have-set, and goes on from
+/// what it holds. Threads: one at a time.
+class SessionMachine {
+ public:
+  struct Options {
+    std::string model;
+    std::string clientName = "limn-client";
+    StopCondition stop;
+    std::uint64_t giveUpAfterMs = 30'000;  // of trying to get back to a lost server
+    std::uint64_t silenceMs = 30'000;      // of a server that owes something: taken for a loss
+    std::uint64_t seed = 1;                // of the backoff's jitter
+  };
+
+  enum class Phase : std::uint8_t {
+    kWaiting,     // for the next try; or, at first, for start()
+    kConnecting,  // the owner is making a connection
+    kGreeting,
+    kOpening,
+    kStreaming,
+    kDone,    // the stop condition holds; what was captured then does not change any more
+    kFailed,  // failure() says why
+  };
+
+  explicit SessionMachine(Options options);
+
+  // ---- Events
+
+  void start(std::uint64_t nowMs);
+  void onOpen(std::uint64_t nowMs);
+  /// wireBytes: message and frame header.
+  void onMessage(protocol::Bytes message, std::size_t wireBytes, std::uint64_t nowMs);
+  void onClosed(const Error& reason, std::uint64_t nowMs);
+  /// The inbox is empty: what was decoded is acknowledged now.
+  void onIdle(std::uint64_t nowMs);
+  /// Call when wakeAtMs() has come.
+  void onTimer(std::uint64_t nowMs);
+  void setView(const View& view, std::uint64_t nowMs);
+
+  // ---- What the owner should do
+
+  /// Messages to send on the present connection, in order; empties the outbox.
+  [[nodiscard]] std::vector<std::vector<std::uint8_t>> takeOutbox();
+  /// Whether a connection should exist. When this goes from false to true, or connectionNumber()
+  /// changes, the owner closes the old one and starts a fresh one.
+  [[nodiscard]] bool wantsConnection() const;
+
+  [[nodiscard]] std::uint32_t connectionNumber() const { return connections_; }
+
+  [[nodiscard]] std::optional<std::uint64_t> wakeAtMs() const;
+
+  // ---- Where it stands
+
+  [[nodiscard]] Phase phase() const { return phase_; }
+
+  [[nodiscard]] const StreamDecoder& decoder() const { return decoder_; }
+
+  [[nodiscard]] MeshState state() const;
+
+  [[nodiscard]] const ByteCounters& bytes() const { return bytes_; }
+
+  [[nodiscard]] const StateTimes& times() const { return times_; }
+
+  [[nodiscard]] std::uint32_t reconnects() const {
+    return connections_ == 0 ? 0 : connections_ - 1;
+  }
+
+  /// Set in kFailed.
+  [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
+
+  /// What the server last said about why it cannot serve the model yet; for a progress line.
+  [[nodiscard]] const std::string& notice() const { return notice_; }
+
+ private:
+  static constexpr std::uint8_t kChannel = 0;
+
+  void handle(const protocol::Welcome& message, std::uint64_t nowMs);
+  void handle(const protocol::ModelInfo& message, std::uint64_t nowMs);
+  void handle(const protocol::Settled& message, std::uint64_t nowMs);
+  void handle(const protocol::Failure& message, std::uint64_t nowMs);
+  template <class Payload>
+  void handlePayload(const Payload& message, std::size_t messageBytes, std::uint64_t nowMs);
+
+  void sendOpen(std::uint64_t nowMs);
+  void sendPoseIfDue(std::uint64_t nowMs);
+  void acknowledge();
+  void lose(const Error& reason, std::uint64_t nowMs, std::uint64_t retryAfterMs);
+  void failWith(Error error);
+  void noteProgress(std::uint64_t nowMs);
+  void noteStates(std::uint64_t nowMs);
+  void checkStop(std::uint64_t nowMs);
+  [[nodiscard]] bool owesAnswer() const;
+
+  Options options_;
+  Phase phase_ = Phase::kWaiting;
+  StreamDecoder decoder_;
+  PoseReporter poses_{kChannel};
+  ByteCounters bytes_;
+  StateTimes times_;
+  std::deque<std::vector<std::uint8_t>> outbox_;
+  std::optional<Error> failure_;
+  std::string notice_;
+  Rng jitter_;
+
+  std::uint64_t startMs_ = 0;
+  std::uint32_t connections_ = 0;
+  bool everWelcomed_ = false;
+  std::optional<MeshState> settledAs_;  // what the server said about the newest pose
+  std::uint64_t taken_ = 0;             // payload bytes of this connection
+  std::uint64_t acknowledged_ = 0;
+  std::uint32_t failedTries_ = 0;  // losses in a row without any progress between them
+  std::uint32_t damages_ = 0;      // of the stream, in a row
+  std::optional<std::uint64_t> lostAtMs_;
+  std::uint64_t retryAtMs_ = 0;
+  std::optional<std::uint64_t> reopenAtMs_;  // the model was not ready
+  std::uint64_t lastHeardMs_ = 0;
+};
+
+}  // namespace limn

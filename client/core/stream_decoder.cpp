@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/core/stream_decoder.h"
+
+#include "protocol/base_features.h"
+#include "protocol/limits.h"
+
+#include "shared/codec/draco_codec.h"
+#include "shared/codec/seed_codec.h"
+
+#include <string>
+#include <utility>
+
+namespace limn {
+namespace {
+
+ModelDescription describe(const protocol::ModelInfo& info) {
+  ModelDescription model;
+  model.name = std::string(info.name);
+  model.asset = info.asset;
+  model.grid.origin = info.gridOrigin;
+  model.grid.step = info.gridStep;
+  model.grid.bits = info.gridBits;
+  model.sphere.center = info.center;
+  model.sphere.radius = info.radius;
+  model.vertices = info.vertices;
+  model.faces = info.faces;
+  model.closed = info.closed;
+  return model;
+}
+
+Result<void> checkOnGrid(const TriangleMesh& mesh, int bits) {
+  const int side = 1 << bits;
+  for (const glm::ivec3& p : mesh.positions) {
+    if (p.x < 0 || p.y < 0 || p.z < 0 || p.x >= side || p.y >= side || p.z >= side) {
+      return fail(ErrorCode::kCorrupt, "a position of the base mesh lies off the model's grid");
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> StreamDecoder::beginModel(const protocol::ModelInfo& info) {
+  auto splitModel = parseSplitModel(info.splitModel);
+  if (!splitModel) return tl::unexpected(splitModel.error().within("split coder of the model"));
+  const bool same = model_ && model_->asset == info.asset && levelBegin_ == info.levelBegin;
+  if (!same) drop();
+  model_ = describe(info);
+  levelBegin_ = info.levelBegin;
+  blockLevels_ = info.blockLevels;
+  splitModel_ = std::move(*splitModel);
+  return {};
+}
+
+Result<void> StreamDecoder::take(const protocol::Base& message) {
+  if (!model_) return fail(ErrorCode::kProtocol, "a base mesh came before the model's description");
+  if (hasBase_) return fail(ErrorCode::kProtocol, "a second base mesh came");
+  auto base = decodeDraco(message.draco, levelBegin_[1], model_->faces);
+  if (!base) return tl::unexpected(base.error().within("base mesh"));
+  if (auto onGrid = checkOnGrid(*base, model_->grid.bits); !onGrid) {
+    return tl::unexpected(onGrid.error());
+  }
+  base->grid = model_->grid;
+  auto features = protocol::unpackBaseFeatures(
+      message.features,
+      static_cast<std::uint32_t>(3 * base->triangles.size()));
+  if (!features) return tl::unexpected(features.error());
+  auto mesh = ActiveMesh::fromBase(levelBegin_, *base, *features);
+  if (!mesh) return tl::unexpected(mesh.error().within("base mesh"));
+  mesh_ = std::move(*mesh);
+  hasBase_ = true;
+  ++revision_;
+  return {};
+}
+
+Result<void> StreamDecoder::take(const protocol::LevelBlock& message) {
+  if (!hasBase_) return fail(ErrorCode::kProtocol, "a level block came before the base mesh");
+  if (message.level > blockLevels_) {
+    return fail(
+        ErrorCode::kProtocol,
+        "level " + std::to_string(message.level) + " does not travel as a level block");
+  }
+  return takeSplits(message.splits);
+}
+
+Result<void> StreamDecoder::take(const protocol::Packet& message) {
+  if (!hasBase_) return fail(ErrorCode::kProtocol, "a packet came before the base mesh");
+  return takeSplits(message.splits);
+}
+
+Result<void> StreamDecoder::take(const protocol::Seeds& message) {
+  if (!model_) return fail(ErrorCode::kProtocol, "seeds came before the model's description");
+  auto seeds = decodeSeeds(message.seeds, model_->vertices);
+  if (!seeds) return tl::unexpected(seeds.error().within("silhouette seeds"));
+  seeds_ = std::make_shared<const SeedTable>(std::move(*seeds));
+  ++revision_;
+  return {};
+}
+
+Result<void> StreamDecoder::takeSplits(protocol::Bytes splits) {
+  // Even a run that fails half-way may have changed the mesh.
+  ++revision_;
+  const auto applied = decodeSplits(splits, splitModel_, mesh_);
+  if (!applied) return tl::unexpected(applied.error().within("vertex splits"));
+  if (complete() && mesh_.mesh().faceCount() != model_->faces) {
+    return fail(
+        ErrorCode::kCorrupt,
+        "the complete mesh has " + std::to_string(mesh_.mesh().faceCount()) +
+            " faces, the model's description says " + std::to_string(model_->faces));
+  }
+  return {};
+}
+
+void StreamDecoder::drop() {
+  model_.reset();
+  levelBegin_.clear();
+  blockLevels_ = 0;
+  splitModel_ = {};
+  mesh_ = {};
+  hasBase_ = false;
+  seeds_.reset();
+  ++revision_;
+}
+
+std::shared_ptr<const MeshSnapshot> StreamDecoder::snapshot() const {
+  auto snapshot = std::make_shared<MeshSnapshot>();
+  if (model_) snapshot->model = *model_;
+  snapshot->mesh = mesh_;
+  snapshot->seeds = seeds_;
+  snapshot->revision = revision_;
+  return snapshot;
+}
+
+}  // namespace limn
