@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "server/preprocess/import.h"
+
+#include "shared/core/result.h"
+#include "shared/mesh/triangle_mesh.h"
+
 #include <cstdint>
 #include <map>
 #include <string>
-
-#include "server/preprocess/import.h"
-#include "shared/core/result.h"
-#include "shared/mesh/triangle_mesh.h"
 
 namespace limn {
 
@@ -29,11 +30,13 @@ struct RepairedMesh {
   std::uint64_t inputFaces = 0;
   std::uint32_t inputComponents = 0;
   bool inputClosed = false;
-  bool closed = false;        // of the result
+  bool closed = false;  // of the result
 };
 
 /// Quantises, then repairs, in the order design of the asset demands (README.md). Deterministic.
 /// Errors: kCorrupt or kUnsupported when nothing drawable is left, with the reason.
-[[nodiscard]] Result<RepairedMesh> repairMesh(const ImportedMesh& input, const RepairOptions& options);
+[[nodiscard]] Result<RepairedMesh> repairMesh(
+    const ImportedMesh& input,
+    const RepairOptions& options);
 
 }  // namespace limn

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Based on: A. Jacobson, L. Kavan, O. Sorkine-Hornung, "Robust Inside-Outside Segmentation using
+// Generalized Winding Numbers", 2013 (the test of containment); A. Van Oosterom, J. Strackee, "The
+// Solid Angle of a Plane Triangle", 1983.
+#include "server/preprocess/integer_vectors.h"
+#include "server/preprocess/repair_steps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace limn::repair {
+
+namespace {
+
+__extension__ using Int128 = __int128;
+
+/// Solid angles to evaluate at most, about a second of them. Past that, a component counts as
+/// standing alone.
+constexpr std::uint64_t kMaxSolidAngles = 20'000'000;
+
+struct Component {
+  std::vector<FaceId> faces;
+  Int128 volume6 = 0;  // six times the signed volume
+  glm::ivec3 low{0};
+  glm::ivec3 high{0};
+  bool closed = true;
+  bool authored = true;  // the file's own orientation, no face of it turned
+
+  [[nodiscard]] bool boxContains(const Component& other) const {
+    return glm::all(glm::lessThanEqual(low, other.low)) &&
+           glm::all(glm::greaterThanEqual(high, other.high)) &&
+           (low != other.low || high != other.high);
+  }
+};
+
+std::vector<Component> findComponents(const Manifold& mesh) {
+  std::vector<Component> components;
+  std::vector<std::uint8_t> seen(mesh.triangles.size(), 0);
+  for (FaceId seed = 0; seed < mesh.triangles.size(); ++seed) {
+    if (seen[seed] != 0) continue;
+    Component component;
+    component.faces.push_back(seed);
+    seen[seed] = 1;
+    component.low = component.high = mesh.positions[mesh.triangles[seed].x];
+    for (std::size_t done = 0; done < component.faces.size(); ++done) {
+      const FaceId face = component.faces[done];
+      const glm::uvec3& t = mesh.triangles[face];
+      const glm::i64vec3 a(mesh.positions[t.x]);
+      const glm::i64vec3 b(mesh.positions[t.y]);
+      const glm::i64vec3 c(mesh.positions[t.z]);
+      component.volume6 += dotExact(a, crossExact(b, c));  // 18 bits a coordinate: below 2^57
+      component.authored = component.authored && mesh.flipped[face] == 0;
+      for (int k = 0; k < 3; ++k) {
+        component.low = glm::min(component.low, mesh.positions[t[k]]);
+        component.high = glm::max(component.high, mesh.positions[t[k]]);
+        const HalfEdgeId twin = mesh.twins[3 * face + static_cast<std::uint32_t>(k)];
+        if (twin == kNone) {
+          component.closed = false;
+        } else if (seen[twin / 3] == 0) {
+          seen[twin / 3] = 1;
+          component.faces.push_back(twin / 3);
+        }
+      }
+    }
+    components.push_back(std::move(component));
+  }
+  return components;
+}
+
+/// How often the component winds round p; p on its surface gives some fraction.
+double windingNumber(const Manifold& mesh, const Component& component, const glm::dvec3& p) {
+  double sum = 0.0;
+  for (const FaceId face : component.faces) {
+    const glm::uvec3& t = mesh.triangles[face];
+    const glm::dvec3 a = glm::dvec3(mesh.positions[t.x]) - p;
+    const glm::dvec3 b = glm::dvec3(mesh.positions[t.y]) - p;
+    const glm::dvec3 c = glm::dvec3(mesh.positions[t.z]) - p;
+    const double la = glm::length(a);
+    const double lb = glm::length(b);
+    const double lc = glm::length(c);
+    const double divisor =
+        la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
+    sum += 2.0 * std::atan2(glm::dot(a, glm::cross(b, c)), divisor);
+  }
+  return sum / (4.0 * std::numbers::pi);
+}
+
+void turn(Manifold& mesh, const Component& component) {
+  for (const FaceId face : component.faces) {
+    std::swap(mesh.triangles[face].y, mesh.triangles[face].z);
+    mesh.flipped[face] = static_cast<std::uint8_t>(1 - mesh.flipped[face]);
+  }
+}
+
+}  // namespace
+
+void orientOutward(Manifold& mesh) {
+  const std::vector<Component> components = findComponents(mesh);
+  const auto count = static_cast<std::uint32_t>(components.size());
+  // An inward component is a cavity when the file says so, face for face, and the whole lies inside
+  // another closed one. Only then is the work of finding out who contains whom due.
+  const bool anyInward = std::any_of(components.begin(), components.end(), [](const Component& c) {
+    return c.closed && c.authored && c.volume6 < 0;
+  });
+  std::vector<std::uint32_t> outermost(count);
+  for (std::uint32_t i = 0; i < count; ++i)
+    outermost[i] = i;
+  if (anyInward && count > 1) {
+    std::uint64_t budget = kMaxSolidAngles;
+    std::vector<std::uint32_t> bySize;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (components[i].closed && components[i].authored && components[i].volume6 != 0)
+        bySize.push_back(i);
+    }
+    const auto size = [&](std::uint32_t i) {
+      return components[i].volume6 < 0 ? -components[i].volume6 : components[i].volume6;
+    };
+    std::stable_sort(bySize.begin(), bySize.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return size(a) > size(b);
+    });
+    // Roots are few in a file of many parts; a box test spares nearly all of the rest.
+    std::vector<std::uint32_t> roots;
+    std::uint64_t boxBudget = kMaxSolidAngles;
+    for (const std::uint32_t i : bySize) {
+      for (const std::uint32_t root : roots) {
+        if (boxBudget == 0 || --boxBudget == 0) break;
+        if (!components[root].boxContains(components[i])) continue;
+        if (components[root].faces.size() > budget) break;
+        budget -= components[root].faces.size();
+        const glm::dvec3 probe(mesh.positions[mesh.triangles[components[i].faces[0]].x]);
+        if (std::abs(windingNumber(mesh, components[root], probe)) > 0.75) {
+          outermost[i] = root;
+          break;
+        }
+      }
+      if (outermost[i] == i) roots.push_back(i);
+    }
+  }
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (components[i].closed && components[outermost[i]].volume6 < 0) turn(mesh, components[i]);
+  }
+  // Turning exchanges corners y and z: half-edges change numbers and so do their twins.
+  // The caller links again.
+  mesh.twins.clear();
+}
+
+}  // namespace limn::repair
