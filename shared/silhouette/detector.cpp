@@ -3,6 +3,7 @@
 
 #include "shared/core/assert.h"
 #include "shared/silhouette/brute_force.h"
+#include "shared/silhouette/cones.h"
 
 #include <algorithm>
 #include <array>
@@ -47,14 +48,14 @@ std::optional<DetectorMethod> detectorFromName(std::string_view name) {
   return std::nullopt;
 }
 
-std::unique_ptr<SilhouetteDetector> makeDetector(
-    DetectorMethod method,
-    const SilhouetteField& field,
-    [[maybe_unused]] const DetectorOptions& options) {
+std::unique_ptr<SilhouetteDetector>
+makeDetector(DetectorMethod method, const SilhouetteField& field, const DetectorOptions& options) {
   switch (method) {
-    // Until the other two land, the oracle stands in: complete, only slower.
     case DetectorMethod::kBrute:
+      return std::make_unique<BruteForceDetector>(field);
     case DetectorMethod::kCones:
+      return std::make_unique<ConesDetector>(field, options);
+    // Until it lands, the oracle stands in: complete, only slower.
     case DetectorMethod::kPrecomputed:
       return std::make_unique<BruteForceDetector>(field);
   }

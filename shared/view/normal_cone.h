@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include <span>
+
+namespace limn {
+
+/// A cone of directions: all unit vectors within acos(cosHalf) of `axis`.
+struct NormalCone {
+  glm::dvec3 axis{0.0, 0.0, 1.0};  // unit
+  double cosHalf = -1.0;           // −1: every direction
+
+  [[nodiscard]] bool contains(const glm::dvec3& unit) const {
+    return glm::dot(axis, unit) >= cosHalf;
+  }
+};
+
+/// A narrow cone that holds all of `normals` (unit or zero; zeros are ignored): their mean, moved
+/// towards the farthest one a few times [BadoiuClarkson03, "Smaller core-sets for balls"]. Without
+/// normals, or when no half space holds them, everything. Cost: O(normals).
+[[nodiscard]] NormalCone fitNormalCone(std::span<const glm::dvec3> normals);
+
+}  // namespace limn
