@@ -313,7 +313,7 @@ void recordSplits(const ForestBuilder& builder, std::span<const VertexId> id, Sp
     };
     forest.cuts[s] = {indexOf(collapse.left), indexOf(collapse.right)};
     forest.parents[s] = id[collapse.kept];
-    forest.features[s] = collapse.features;
+    forest.features[s] = collapse.features | (level->isPath[i] ? kSplitParentOnBorder : 0);
     forest.bounds[s] = level->bounds[i];
     forest.ringBegin.push_back(static_cast<std::uint32_t>(forest.rings.size()));
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/codec/bin_coder.h"
+#include "shared/codec/split_syntax.h"
 #include "shared/core/ids.h"
 #include "shared/core/result.h"
 #include "shared/progressive/active_mesh.h"
@@ -16,7 +18,8 @@ namespace limn {
 /// (ModelInfo.split_model). Packets carry no tables and no state: any packet decodes on any client
 /// that holds its prerequisites.
 struct SplitModel {
-  std::vector<std::uint8_t> probabilities;  // one a context: P(bit = 0) · 256, 1 to 255
+  std::vector<Probability> probabilities;  // one a context of split_syntax.h
+  split_syntax::Weights weights{};         // of the position's prediction
 };
 
 /// Measures a model's probabilities. Deterministic. Cost: O(splits).

@@ -24,6 +24,17 @@ struct Grid {
   [[nodiscard]] glm::dvec3 fromModel(const glm::dvec3& p) const { return (p - origin) / step; }
 };
 
+/// No grid coordinate is larger in magnitude (grids have 18 bits at most), so that products of a
+/// few of them fit 64 bits. What comes from outside is checked against it.
+inline constexpr std::int32_t kMaxGridCoordinate = 1 << 20;
+
+[[nodiscard]] inline bool isOnGrid(const glm::ivec3& p) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (p[axis] < -kMaxGridCoordinate || p[axis] > kMaxGridCoordinate) return false;
+  }
+  return true;
+}
+
 /// A triangle mesh on a grid: flat arrays, no connectivity. Triangles are counter-clockwise seen
 /// from outside.
 struct TriangleMesh {

@@ -29,6 +29,9 @@ Result<ActiveMesh> ActiveMesh::fromBase(
   if (!features.empty() && features.size() != 3 * base.triangles.size()) {
     return fail(ErrorCode::kCorrupt, "base mesh: not one feature byte a half-edge");
   }
+  if (!std::all_of(base.positions.begin(), base.positions.end(), isOnGrid)) {
+    return fail(ErrorCode::kCorrupt, "base mesh: a position off the grid");
+  }
   auto mesh = HalfEdgeMesh::build(levelBegin[1], base.triangles);
   if (!mesh) return tl::unexpected(mesh.error().within("base mesh"));
 

@@ -45,6 +45,7 @@ enum SplitFeature : std::uint8_t {
   kSplitEdgeVL = 4,
   kSplitEdgeUR = 8,
   kSplitEdgeVR = 16,
+  kSplitParentOnBorder = 32,  // the canonical ring is a path; known to a decoder, never coded
 };
 
 /// Level of vertex v, given the first vertex of each level and, last, the number of vertices.
