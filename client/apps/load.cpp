@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// limn-load: many light clients against one server, in one process, from a script.
+#include "client/apps/load_run.h"
+#include "client/apps/load_server_usage.h"
+#include "client/load/report.h"
+#include "client/load/script.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <optional>
+#include <string>
+
+namespace {
+
+constexpr int kPassed = 0;
+constexpr int kFailed = 1;
+constexpr int kUsage = 2;
+
+constexpr char kExamples[] = R"(Examples:
+  limn-load --server ws://127.0.0.1:8600 --script tests/load/orbit.toml
+  limn-load --server wss://host:443 --token-file token --script mix.toml --report load.json
+
+The report goes to stdout unless --report names a file. Exit status: 0 when every threshold of the script
+holds, 1 when one is missed or nothing could be done, 2 on wrong usage.)";
+
+struct Arguments {
+  std::string server;
+  std::string script;
+  std::string report;
+  std::string tokenFile;
+  int serverPid = 0;
+};
+
+int complain(int status, const std::string& message) {
+  std::cerr << "limn-load: " << message << "\n";
+  return status;
+}
+
+/// The port of a URL on this machine, where its server process can be watched.
+std::optional<int> localPort(const std::string& url) {
+  const auto scheme = url.find("://");
+  if (scheme == std::string::npos) return std::nullopt;
+  const std::string rest = url.substr(scheme + 3);
+  for (const char* host : {"127.0.0.1:", "localhost:", "[::1]:"}) {
+    if (rest.starts_with(host)) return std::atoi(rest.c_str() + std::string(host).size());
+  }
+  return std::nullopt;
+}
+
+int run(const Arguments& arguments) {
+  const auto script = limn::load::readScript(arguments.script);
+  if (!script) {
+    const bool usage = script.error().code == limn::ErrorCode::kInvalidArgument;
+    return complain(usage ? kUsage : kFailed, script.error().message);
+  }
+  limn::load::RunOptions options;
+  options.url = arguments.server;
+  if (!arguments.tokenFile.empty()) {
+    std::ifstream stream(arguments.tokenFile);
+    if (!std::getline(stream, options.token) || options.token.empty()) {
+      return complain(
+          kFailed,
+          arguments.tokenFile + ": holds no token; write it on the first line");
+    }
+  }
+  if (arguments.serverPid > 0) {
+    options.server = arguments.serverPid;
+  } else if (const auto port = localPort(arguments.server)) {
+    options.server = limn::load::findListener(*port);
+  }
+  options.progress = [](double seconds, const limn::load::Counters& counters) {
+    std::fprintf(
+        stderr,
+        "limn-load: %.0f s: %llu of %llu clients, %llu failed, %llu dropped, %.1f MB\n",
+        seconds,
+        static_cast<unsigned long long>(counters.connected),
+        static_cast<unsigned long long>(counters.asked),
+        static_cast<unsigned long long>(counters.failed),
+        static_cast<unsigned long long>(counters.dropped),
+        static_cast<double>(counters.bytesReceived) / 1e6);
+  };
+  const auto result = limn::load::runScript(*script, options);
+  if (!result) {
+    const bool usage = result.error().code == limn::ErrorCode::kInvalidArgument;
+    return complain(usage ? kUsage : kFailed, result.error().message);
+  }
+  auto missed = limn::load::missedThresholds(script->thresholds, result->counters, result->server);
+  if (result->counters.connected == 0) {
+    std::string message = "no client reached the base mesh";
+    if (!result->counters.errors.empty()) message += ": " + result->counters.errors.begin()->first;
+    missed.push_back(message);
+  }
+  const std::string report =
+      limn::load::reportJson(result->counters, result->server, result->seconds, missed);
+  if (arguments.report.empty()) {
+    std::cout << report << "\n";
+  } else {
+    std::ofstream stream(arguments.report);
+    stream << report << "\n";
+    if (!stream.flush()) {
+      return complain(kFailed, arguments.report + ": cannot be written; check the path");
+    }
+  }
+  for (const std::string& miss : missed)
+    complain(kFailed, miss);
+  return missed.empty() ? kPassed : kFailed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Load-tests a Limn server with many light clients.", "limn-load");
+  app.set_version_flag("--version", std::string("limn-load " LIMN_VERSION));
+  app.footer(kExamples);
+  Arguments arguments;
+  app.add_option("--server", arguments.server, "ws://HOST:PORT or wss://HOST:PORT")->required();
+  app.add_option("--script", arguments.script, "what the clients do, TOML")->required();
+  app.add_option("--report", arguments.report, "write the JSON report here instead of to stdout");
+  app.add_option("--token-file", arguments.tokenFile, "file with the server's token");
+  app.add_option(
+      "--server-pid",
+      arguments.serverPid,
+      "server process on this machine to watch; found by its port when it is local");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    return complain(kUsage, std::string(error.what()) + "; see limn-load --help");
+  }
+  return run(arguments);
+}
