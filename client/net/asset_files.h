@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "shared/core/result.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace limn {
+
+/// The wire messages of a prepared asset, in the order in which a client takes them. The format is
+/// described in server/store/FORMAT.md; this reads it without any code of the server.
+struct AssetFiles {
+  std::string name;                                // of the model, from its description
+  std::vector<std::uint8_t> info;                  // ModelInfo
+  std::vector<std::vector<std::uint8_t>> payload;  // Base, LevelBlocks, Seeds, Packets
+};
+
+/// Reads an asset directory and verifies the checksum of everything it takes from it.
+/// Errors: kNotFound (no asset there), kCorrupt (damaged: prepare it again), kIo, kUnsupported (a
+/// newer format).
+[[nodiscard]] Result<AssetFiles> readAssetFiles(const std::filesystem::path& directory);
+
+}  // namespace limn
