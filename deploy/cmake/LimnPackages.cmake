@@ -15,6 +15,13 @@ pkg_check_modules(lws REQUIRED IMPORTED_TARGET libwebsockets)
 pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
 pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
 if(LIMN_BUILD_SERVER)
+  # Debian's libev has neither a CMake package nor a pkg-config file.
+  find_path(LIMN_EV_INCLUDE ev.h REQUIRED)
+  find_library(LIMN_EV ev REQUIRED)
+  add_library(limn_ev UNKNOWN IMPORTED)
+  set_target_properties(limn_ev PROPERTIES
+    IMPORTED_LOCATION "${LIMN_EV}" INTERFACE_INCLUDE_DIRECTORIES "${LIMN_EV_INCLUDE}")
+  add_library(limn::ev ALIAS limn_ev)
   find_package(OpenMesh REQUIRED)
   find_package(CGAL REQUIRED)
   # OpenCV's CMake package is only in its gigabyte-sized meta package; two modules are found by hand.

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/model.h"
+
+#include "protocol/framing.h"
+
+#include <utility>
+
+namespace limn {
+namespace {
+
+using protocol::Bytes;
+
+/// The messages of a section, each of type T. Errors: kCorrupt.
+template <class T>
+Result<std::vector<Bytes>> messagesOf(const Asset& asset, const char* name) {
+  const auto section = asset.section(name);
+  if (!section) return tl::unexpected(section.error());
+  std::vector<Bytes> messages;
+  protocol::FrameReader reader(*section);
+  while (true) {
+    const auto next = reader.next();
+    if (!next) return tl::unexpected(next.error().within(name));
+    if (!*next) return messages;
+    const auto message = protocol::decodeMessage(**next, protocol::Sender::kServer);
+    if (!message) {
+      return fail(ErrorCode::kCorrupt, std::string(name) + ": " + message.error().message);
+    }
+    if (message->template as<T>() == nullptr || protocol::channelOf(message->body) != 0) {
+      return fail(ErrorCode::kCorrupt, std::string(name) + ": not the message it should be");
+    }
+    messages.push_back(**next);
+  }
+}
+
+template <class T>
+Result<Bytes> oneMessageOf(const Asset& asset, const char* name) {
+  const auto messages = messagesOf<T>(asset, name);
+  if (!messages) return tl::unexpected(messages.error());
+  if (messages->size() != 1) {
+    return fail(ErrorCode::kCorrupt, std::string(name) + ": not one message");
+  }
+  return messages->front();
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> asset) {
+  const std::string where = "asset " + toHex(asset->id());
+  const std::shared_ptr<Model> model(new Model());
+  model->asset_ = std::move(asset);
+  const Asset& source = *model->asset_;
+  const auto corrupt = [&](const std::string& what) {
+    return fail(ErrorCode::kCorrupt, where + ": " + what + "; prepare the model again");
+  };
+
+  const auto info = oneMessageOf<protocol::ModelInfo>(source, sections::kInfo);
+  if (!info) return tl::unexpected(info.error().within(where));
+  auto infoMessage = protocol::decodeMessage(*info, protocol::Sender::kServer);
+  if (!infoMessage) return corrupt(infoMessage.error().message);
+  model->infoMessage_ = std::move(*infoMessage);
+  const auto base = oneMessageOf<protocol::Base>(source, sections::kBase);
+  if (!base) return tl::unexpected(base.error().within(where));
+  model->base_ = *base;
+  auto blocks = messagesOf<protocol::LevelBlock>(source, sections::kBlocks);
+  if (!blocks) return tl::unexpected(blocks.error().within(where));
+  model->blocks_ = std::move(*blocks);
+  const auto seeds = source.section(sections::kSeeds);
+  if (seeds && !seeds->empty()) {
+    const auto message = oneMessageOf<protocol::Seeds>(source, sections::kSeeds);
+    if (!message) return tl::unexpected(message.error().within(where));
+    model->seeds_ = *message;
+  }
+  const auto bytes = source.section(sections::kForest);
+  if (!bytes) return tl::unexpected(bytes.error().within(where));
+  auto forest = parseForest(*bytes);
+  if (!forest) return tl::unexpected(forest.error().within(where));
+  model->forest_ = std::move(*forest);
+  auto splitModel = parseSplitModel(model->info().splitModel);
+  if (!splitModel) return tl::unexpected(splitModel.error().within(where));
+  model->splitModel_ = std::move(*splitModel);
+
+  const protocol::ModelInfo& says = model->info();
+  if (says.levelBegin != model->forest_.levelBegin || says.blockLevels != model->blocks_.size() ||
+      says.asset != model->asset_->id()) {
+    return corrupt("its sections do not belong together");
+  }
+  for (std::size_t i = 0; i < model->blocks_.size(); ++i) {
+    const auto block = protocol::decodeMessage(model->blocks_[i], protocol::Sender::kServer);
+    if (!block || block->as<protocol::LevelBlock>()->level != i + 1) {
+      return corrupt("its level blocks are not in order");
+    }
+  }
+  return model;
+}
+
+const ExactFinder* Model::exactFinder() const {
+  const std::lock_guard lock(mutex_);
+  if (!exact_ && !exactFailed_) {
+    if (auto made = ExactFinder::make(forest_)) {
+      exact_ = std::move(*made);
+    } else {
+      exactFailed_ = true;
+    }
+  }
+  return exact_.get();
+}
+
+std::size_t Model::bytes() const {
+  const SplitForest& f = forest_;
+  const std::size_t forest =
+      f.positions.capacity() * sizeof(glm::ivec3) +
+      (f.baseTriangles.capacity() + f.triangles.capacity()) * sizeof(glm::uvec3) +
+      (f.parents.capacity() + f.ringBegin.capacity() + f.rings.capacity()) * sizeof(VertexId) +
+      f.cuts.capacity() * sizeof(RingCut) + f.features.capacity() +
+      f.bounds.capacity() * sizeof(SplitBounds);
+  const std::lock_guard lock(mutex_);
+  return sizeof(*this) + forest + (exact_ ? exact_->bytes() : 0);
+}
+
+std::vector<std::uint8_t> withChannel(Bytes message, std::uint8_t channel) {
+  auto decoded = protocol::decodeMessage(message, protocol::Sender::kServer);
+  const auto current = decoded ? protocol::channelOf(decoded->body) : std::nullopt;
+  if (!current || *current == channel) return {message.begin(), message.end()};
+  std::visit(
+      [&](auto& body) {
+        if constexpr (requires { body.channel = channel; }) body.channel = channel;
+      },
+      decoded->body);
+  return protocol::encodeMessage(decoded->body);
+}
+
+}  // namespace limn

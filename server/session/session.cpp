@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/session.h"
+
+#include "protocol/handshake.h"
+#include "protocol/limits.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace limn {
+namespace {
+
+// A client that keeps provoking errors without reading them is cut off.
+constexpr std::size_t kMaxRefusals = 16;
+constexpr std::uint32_t kNotReadyRetryMs = 1000;
+
+protocol::WireError wireErrorOf(const Error& error) {
+  return error.code == ErrorCode::kLimitExceeded ? protocol::WireError::kLimit
+                                                 : protocol::WireError::kBadMessage;
+}
+
+}  // namespace
+
+Session::Session(SessionShared& shared, Peer& peer, std::int64_t nowMs)
+    : shared_(shared),
+      peer_(peer),
+      bornMs_(nowMs),
+      nowMs_(nowMs),
+      window_(shared.options.windowBytes) {}
+
+Channel* Session::find(std::uint8_t id) {
+  const auto found = std::ranges::find(channels_, id, [](const auto& c) { return c->id(); });
+  return found == channels_.end() ? nullptr : found->get();
+}
+
+void Session::closeChannel(std::uint8_t id) {
+  std::erase_if(channels_, [id](const auto& c) { return c->id() == id; });
+}
+
+void Session::refuse(protocol::WireError code, std::int16_t channel, const std::string& why) {
+  if (channel >= 0) closeChannel(static_cast<std::uint8_t>(channel));
+  protocol::Failure failure;
+  failure.code = code;
+  failure.channel = channel;
+  failure.message = std::string_view(why).substr(0, limits::kMaxTextBytes);
+  if (code == protocol::WireError::kNotReady) failure.retryAfterMs = kNotReadyRetryMs;
+  refusals_.push_back(protocol::encodeMessage(failure));
+  if (channel < 0 || refusals_.size() > kMaxRefusals) {
+    close_ = Close::kProtocolError;
+    channels_.clear();
+  }
+}
+
+void Session::receive(protocol::Bytes message, std::int64_t nowMs) {
+  nowMs_ = nowMs;
+  if (close_) return;
+  if (message.size() > limits::kMaxClientMessageBytes) {
+    refuse(
+        protocol::WireError::kLimit,
+        -1,
+        "a client's message may have " + std::to_string(limits::kMaxClientMessageBytes) + " bytes");
+  } else if (const auto decoded = protocol::decodeMessage(message, protocol::Sender::kClient);
+             !decoded) {
+    refuse(wireErrorOf(decoded.error()), -1, decoded.error().message);
+  } else if (!greeted_ && decoded->as<protocol::Hello>() == nullptr) {
+    refuse(protocol::WireError::kState, -1, "the first message must be Hello");
+  } else {
+    std::visit([this](const auto& body) { handle(body); }, decoded->body);
+  }
+  peer_.wantWrite();
+}
+
+void Session::handle(const protocol::Hello& hello) {
+  if (greeted_) return refuse(protocol::WireError::kState, -1, "Hello comes once");
+  const auto version = protocol::negotiateVersion(hello.version);
+  if (!version) return refuse(protocol::WireError::kVersion, -1, version.error().message);
+  greeted_ = true;
+  welcomeWanted_ = true;
+}
+
+void Session::handle(const protocol::Open& open) {
+  if (find(open.channel) != nullptr) {
+    return refuse(protocol::WireError::kState, open.channel, "this channel has a model open");
+  }
+  const std::string name(open.model);
+  if (channels_.size() >= shared_.options.maxChannels) {
+    return refuse(
+        protocol::WireError::kLimit,
+        open.channel,
+        "at most " + std::to_string(shared_.options.maxChannels) + " models a connection");
+  }
+  const ModelSource::Lookup lookup = shared_.models.find(name);
+  switch (lookup.availability) {
+    case ModelSource::Availability::kNotFound:
+      return refuse(
+          protocol::WireError::kNotFound,
+          open.channel,
+          "no model is named '" + name + "'; GetCatalogue lists them");
+    case ModelSource::Availability::kNotReady:
+      return refuse(
+          protocol::WireError::kNotReady,
+          open.channel,
+          "'" + name + "' is still being prepared");
+    case ModelSource::Availability::kFailed:
+      return refuse(
+          protocol::WireError::kNotFound,
+          open.channel,
+          "'" + name + "' failed: " + lookup.reason);
+    case ModelSource::Availability::kLoading:
+    case ModelSource::Availability::kReady:
+      break;
+  }
+  const std::uint32_t vertices =
+      lookup.model ? lookup.model->forest().vertexCount() : lookup.vertices;
+  channels_.push_back(std::make_unique<Channel>(
+      Channel::Request{open.channel, name, open.resume},
+      vertices,
+      shared_.options));
+  if (lookup.model) static_cast<void>(channels_.back()->setModel(lookup.model));
+}
+
+bool Session::tryLoad(Channel& channel) {
+  const std::uint8_t id = channel.id();
+  const ModelSource::Lookup lookup = shared_.models.find(channel.modelName());
+  if (lookup.availability == ModelSource::Availability::kLoading) return true;
+  if (!lookup.model) {
+    refuse(
+        protocol::WireError::kNotReady,
+        id,
+        "'" + channel.modelName() + "' cannot be opened: " +
+            (lookup.reason.empty() ? "it is being prepared again" : lookup.reason));
+    return false;
+  }
+  if (const auto set = channel.setModel(lookup.model); !set) {
+    refuse(
+        set.error().code == ErrorCode::kCorrupt ? protocol::WireError::kStale
+                                                : protocol::WireError::kHaveSet,
+        id,
+        set.error().message);
+    return false;
+  }
+  return true;
+}
+
+void Session::handle(const protocol::HaveSet& piece) {
+  Channel* channel = find(piece.channel);
+  if (channel == nullptr) {
+    return refuse(protocol::WireError::kState, piece.channel, "no model is open on this channel");
+  }
+  if (const auto taken = channel->haveSet(piece); !taken) {
+    refuse(
+        taken.error().code == ErrorCode::kCorrupt ? protocol::WireError::kStale
+                                                  : protocol::WireError::kHaveSet,
+        piece.channel,
+        taken.error().message);
+  }
+}
+
+void Session::handle(const protocol::Pose& pose) {
+  // A pose may cross the Error that closed its channel.
+  if (Channel* channel = find(pose.channel)) channel->pose(pose, shared_.cells, nowMs_);
+}
+
+void Session::handle(const protocol::Acknowledge& acknowledge) {
+  if (const auto taken = window_.acknowledge(acknowledge.bytes); !taken) {
+    refuse(protocol::WireError::kBadMessage, -1, taken.error().message);
+  }
+}
+
+void Session::handle(const protocol::Drop& drop) {
+  Channel* channel = find(drop.channel);
+  if (channel == nullptr) return;  // as for a pose
+  if (const auto taken = channel->drop(drop.ids); !taken) {
+    refuse(protocol::WireError::kBadMessage, drop.channel, taken.error().message);
+  }
+}
+
+void Session::update(std::int64_t nowMs) {
+  nowMs_ = nowMs;
+  if (close_) return;
+  bool more = false;
+  for (std::size_t i = 0; i < channels_.size();) {
+    Channel& channel = *channels_[i];
+    if (channel.loading()) {
+      const std::size_t before = refusals_.size();
+      const bool kept = tryLoad(channel);
+      more = more || refusals_.size() != before || (kept && !channel.loading());
+      if (!kept) continue;
+    }
+    more = channel.update(shared_.cells, nowMs) || more;
+    ++i;
+  }
+  if (more) peer_.wantWrite();
+}
+
+std::optional<OutMessage> Session::nextMessage() {
+  OutMessage out;
+  if (welcomeWanted_) {
+    welcomeWanted_ = false;
+    protocol::Welcome welcome;
+    welcome.version = limits::kProtocolVersion;
+    welcome.server = shared_.serverName;
+    out.owned = protocol::encodeMessage(welcome);
+    return out;
+  }
+  if (!refusals_.empty()) {
+    out.owned = std::move(refusals_.front());
+    refusals_.pop_front();
+    return out;
+  }
+  if (close_) return std::nullopt;
+  if (catalogueWanted_) {
+    catalogueWanted_ = false;
+    out.owned = catalogueMessageOf(shared_.models.catalogue());
+    return out;
+  }
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    Channel& channel = *channels_[(turn_ + i) % channels_.size()];
+    if (channel.loading() && !tryLoad(channel)) return nextMessage();
+    auto message = channel.next(window_);
+    if (!message) continue;
+    turn_ = (turn_ + i + 1) % channels_.size();
+    if (message->payload) window_.sent(message->bytes().size());
+    return message;
+  }
+  return std::nullopt;
+}
+
+void Session::drain(std::uint32_t retryAfterMs) {
+  if (close_) return;
+  protocol::Failure failure;
+  failure.code = protocol::WireError::kDraining;
+  failure.message = "the server is going down; connect again";
+  failure.retryAfterMs = retryAfterMs;
+  refusals_.push_back(protocol::encodeMessage(failure));
+  channels_.clear();
+  close_ = Close::kGoingAway;
+  peer_.wantWrite();
+}
+
+std::size_t Session::bytes() const {
+  std::size_t sum = sizeof(*this);
+  for (const auto& refusal : refusals_)
+    sum += refusal.capacity();
+  for (const auto& channel : channels_)
+    sum += channel->bytes();
+  return sum;
+}
+
+}  // namespace limn

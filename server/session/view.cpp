@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace limn {
+namespace {
+
+constexpr double kFrustumSlack = 1.03;
+
+}  // namespace
+
+bool View::maySee(const glm::dvec3& center, double radius) const {
+  const glm::dvec3 offset = center - eye;
+  switch (clip) {
+    case Clip::kEverything:
+      return true;
+    case Clip::kPlanes: {
+      if (!orthographic && glm::dot(offset, forward) < -radius) return false;
+      for (std::size_t i = 0; i < planeNormals.size(); ++i) {
+        if (glm::dot(offset, planeNormals[i]) < planeOffsets[i] - radius) return false;
+      }
+      return true;
+    }
+    case Clip::kCone: {
+      const double distance = glm::length(offset);
+      if (distance <= radius) return true;
+      const double angle = std::acos(std::clamp(glm::dot(offset, forward) / distance, -1.0, 1.0));
+      return angle <= coneHalfAngle + std::asin(radius / distance);
+    }
+  }
+  return true;
+}
+
+double View::projectedPx(double length, const glm::dvec3& center, double radius) const {
+  if (orthographic) return length * pixelsPerUnit;
+  const double nearest = glm::distance(center, eye) - radius;
+  if (nearest <= 0.0) return length > 0.0 ? std::numeric_limits<double>::infinity() : 0.0;
+  return length * pixelsPerUnit / nearest;
+}
+
+View viewOfPose(const protocol::Pose& pose, const Grid& grid) {
+  View view;
+  view.eye = grid.fromModel(pose.eye);
+  view.forward = glm::normalize(pose.forward);
+  const glm::dvec3 right = glm::normalize(glm::cross(view.forward, glm::normalize(pose.up)));
+  const glm::dvec3 up = glm::cross(right, view.forward);
+  view.errorPx = pose.errorPx;
+  view.silhouette = pose.silhouette;
+  view.clip = View::Clip::kPlanes;
+  const double aspect = static_cast<double>(pose.width) / pose.height;
+  if (pose.orthoHeight > 0.0) {
+    view.orthographic = true;
+    const double height = pose.orthoHeight / grid.step;
+    view.pixelsPerUnit = pose.height / height;
+    const double halfY = kFrustumSlack * height / 2.0;
+    const double halfX = halfY * aspect;
+    view.planeNormals = {right, -right, up, -up};
+    view.planeOffsets = {-halfX, -halfX, -halfY, -halfY};
+    return view;
+  }
+  const double tanY = std::tan(static_cast<double>(pose.fovY) / 2.0);
+  view.pixelsPerUnit = pose.height / (2.0 * tanY);
+  const double wideY = kFrustumSlack * tanY;
+  const double wideX = wideY * aspect;
+  view.planeNormals = {
+      glm::normalize(wideX * view.forward + right),
+      glm::normalize(wideX * view.forward - right),
+      glm::normalize(wideY * view.forward + up),
+      glm::normalize(wideY * view.forward - up)};
+  return view;
+}
+
+Facing facingOf(const View& view, const SplitBounds& bounds, double slack) {
+  if (bounds.coneCos <= -1.0F) return Facing::kStraddling;
+  const glm::dvec3 axis(bounds.coneAxis);
+  double halfAngle = std::acos(std::min(1.0, static_cast<double>(bounds.coneCos))) + slack;
+  glm::dvec3 toEye = -view.forward;
+  if (!view.orthographic) {
+    const glm::dvec3 offset = view.eye - glm::dvec3(bounds.center);
+    const double distance = glm::length(offset);
+    if (distance <= bounds.radius) return Facing::kStraddling;
+    toEye = offset / distance;
+    // Directions to the eye from within the sphere differ by up to this from that of its centre.
+    halfAngle += std::asin(bounds.radius / distance);
+  }
+  constexpr double kRightAngle = std::numbers::pi / 2.0;
+  if (halfAngle >= kRightAngle) return Facing::kStraddling;
+  // Compared by sines: |cos(angle)| > sin(halfAngle) is |angle − 90°| > halfAngle.
+  const double cosAngle = glm::dot(axis, toEye);
+  const double sinHalf = std::sin(halfAngle);
+  if (cosAngle > sinHalf) return Facing::kFront;
+  if (cosAngle < -sinHalf) return Facing::kBack;
+  return Facing::kStraddling;
+}
+
+}  // namespace limn

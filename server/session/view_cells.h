@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/session/model.h"
+#include "server/session/target_set.h"
+#include "server/session/task_runner.h"
+#include "server/session/view.h"
+
+#include "protocol/messages.h"
+
+#include "shared/core/sha256.h"
+
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <unordered_map>
+
+namespace limn {
+
+/// A cell of view space [Hoppe97's view-orthogonal cells, on the view sphere of Mohr13]: poses that
+/// need about the same splits. `view` stands for all of them.
+struct ViewCell {
+  std::uint64_t key = 0;  // equal keys: equal views
+  View view;              // seen from the middle of the cell
+};
+
+/// The cell of a pose on a model. Direction from the model's centre in steps of about 6 degrees,
+/// distance in quarters of an octave, error bound as an angle in half octaves (rounded down, to the
+/// finer), silhouette kind; and, unless the whole model is in view, the direction of view.
+[[nodiscard]] ViewCell viewCellOf(const protocol::Pose& pose, const protocol::ModelInfo& model);
+
+struct ViewCellOptions {
+  std::size_t cacheBytes = std::size_t{256} << 20;
+  std::size_t maxPending = 64;  // cells beyond that are not started
+};
+
+/// Computes target sets on workers: of cells, cached and shared by all sessions, and of single
+/// poses. Loop thread only; what it hands out is constant.
+class ViewCells {
+ public:
+  /// A target set on its way. `set` appears on the loop thread; dropping the ticket of a single
+  /// pose cancels work that has not begun.
+  struct Job {
+    std::shared_ptr<const TargetSet> set;
+  };
+
+  using Ticket = std::shared_ptr<const Job>;
+  enum class Need : std::uint8_t { kSettled, kExact };
+
+  ViewCells(TaskRunner& tasks, const ViewCellOptions& options) : tasks_(tasks), options_(options) {}
+
+  /// The set of a pose's cell. Null when too many others are on their way: ask again later.
+  [[nodiscard]] Ticket cell(const std::shared_ptr<const Model>& model, const protocol::Pose& pose);
+
+  /// The set of exactly this pose.
+  [[nodiscard]] Ticket
+  pose(const std::shared_ptr<const Model>& model, const protocol::Pose& pose, Need need);
+
+  [[nodiscard]] std::size_t cachedBytes() const { return bytes_; }
+
+  [[nodiscard]] std::uint64_t computed() const { return computed_; }
+
+  [[nodiscard]] std::uint64_t hits() const { return hits_; }
+
+ private:
+  struct Key {
+    Sha256Digest asset{};
+    std::uint64_t cell = 0;
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const;
+  };
+
+  struct Entry {
+    Key key;
+    std::shared_ptr<Job> job;
+  };
+
+  void evict();
+
+  TaskRunner& tasks_;
+  ViewCellOptions options_;
+  std::list<Entry> entries_;  // most recently used first
+  std::unordered_map<Key, std::list<Entry>::iterator, KeyHash> byKey_;
+  std::size_t bytes_ = 0;
+  std::size_t pendingCells_ = 0;
+  std::uint64_t computed_ = 0;
+  std::uint64_t hits_ = 0;
+};
+
+}  // namespace limn

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/session/session.h"
+#include "server/transport/access.h"
+#include "server/transport/http_routes.h"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace limn {
+
+struct TransportOptions {
+  ListenAddress listen;
+  std::optional<ListenAddress> metricsListen;
+  std::string tlsCertificate;  // PEM files; both or none
+  std::string tlsKey;
+  AccessRules access;
+  std::int64_t helloDeadlineMs = 10'000;  // from upgrade to Hello
+  std::int64_t drainMs = 20'000;          // for clients to take their last messages
+};
+
+/// What the transport asks its owner for. All on the loop thread.
+struct TransportHandlers {
+  std::function<ServerStatus()> status;  // the transport fills in what it counts itself
+  std::function<const std::vector<CatalogueItem>&()> catalogue;
+  std::function<void(std::int64_t nowMs)> tick;  // about 20 times a second
+  std::function<void()> woken;                   // after wake()
+};
+
+/// WebSocket and HTTP on libwebsockets with a libev loop. One loop thread owns everything.
+class LwsTransport {
+ public:
+  virtual ~LwsTransport() = default;
+
+  /// Opens the ports. Errors: kIo (taken, not ours, bad certificate), with what to do.
+  /// shared and handlers must outlive it.
+  [[nodiscard]] static Result<std::unique_ptr<LwsTransport>>
+  open(const TransportOptions& options, SessionShared& shared, const TransportHandlers& handlers);
+
+  /// The port that is listened on; the real one when 0 was asked for.
+  [[nodiscard]] virtual int port() const = 0;
+  [[nodiscard]] virtual int metricsPort() const = 0;  // 0: none
+
+  /// Runs the loop until SIGTERM or SIGINT has been received and the clients are gone.
+  virtual void run() = 0;
+
+  /// From any thread: makes the loop call `woken`, then update() of every session.
+  virtual void wake() = 0;
+
+  /// Milliseconds of the loop's monotonic clock.
+  [[nodiscard]] static std::int64_t nowMs();
+};
+
+/// Sends the library's own messages somewhere; they are lines without newline. Call first.
+void setTransportLog(std::function<void(const std::string&)> sink);
+
+}  // namespace limn
