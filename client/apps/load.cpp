@@ -2,6 +2,7 @@
 // limn-load: many light clients against one server, in one process, from a script.
 #include "client/apps/load_run.h"
 #include "client/apps/load_server_usage.h"
+#include "client/load/mesh_decoder.h"
 #include "client/load/report.h"
 #include "client/load/script.h"
 
@@ -59,6 +60,7 @@ int run(const Arguments& arguments) {
   }
   limn::load::RunOptions options;
   options.url = arguments.server;
+  options.makeDecoder = limn::load::makeMeshDecoder;
   if (!arguments.tokenFile.empty()) {
     std::ifstream stream(arguments.tokenFile);
     if (!std::getline(stream, options.token) || options.token.empty()) {

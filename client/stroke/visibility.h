@@ -2,13 +2,9 @@
 #pragma once
 
 #include "client/stroke/depth_image.h"
+#include "client/stroke/line_scene.h"
 #include "client/stroke/polyline.h"
-
-#include "shared/core/camera.h"
-#include "shared/mesh/half_edge.h"
-#include "shared/mesh/triangle_mesh.h"
-
-#include <glm/glm.hpp>
+#include "client/stroke/spine_samples.h"
 
 #include <cstdint>
 #include <span>
@@ -16,20 +12,28 @@
 
 namespace limn {
 
-/// The mesh that lines were found on, as a picture sees it.
-struct LineScene {
-  const HalfEdgeMesh& mesh;
-  std::span<const glm::ivec3> positions;  // by slot, on the grid
-  const Grid& grid;
-  const Camera& camera;
-  Viewport viewport;
-};
+/// Samples on each side that the filter along a spine weighs: a run of fewer samples than this that
+/// differs from its surroundings is a speckle of the depth image, and goes.
+inline constexpr int kVisibilityFilterRadius = 4;
 
-/// Per-segment visibility, the CPU's counterpart of the renderer's visibility pass: the same spine
-/// samples, the same 8-neighbourhood test, the same filter along the spine.
-/// depth: the same mesh seen through the same camera (Frame::depth), of any size with that aspect.
-/// Returns one entry a point: 1 if most of the segment that starts there is visible (0 for the last
-/// point of an open line, and for segments outside the picture). Cost: O(length in pixels).
+/// Visibility of every sample, 0 … 1: the 8-neighbourhood test [Mohr13 §3.4] and then the filter
+/// along the spine. ½ is where a line goes behind something. The CPU's counterpart and oracle of
+/// the renderer's visibility shaders; the same operations on the same numbers.
+/// depth: the mesh seen through the same camera, of any size with that aspect.
+[[nodiscard]] std::vector<float> sampleVisibility(
+    const SpineSamples& samples,
+    const DepthImage& depth);
+
+/// The test alone: 1 visible, 0 hidden. A sample is hidden when every one of the depth image's
+/// pixels around it (of a silhouette: those on its outward side) holds a surface nearer than the
+/// line by more than its bias. Threads: reentrant.
+[[nodiscard]] std::vector<std::uint8_t> testSamples(
+    std::span<const SpineSample> samples,
+    const DepthImage& depth);
+
+/// Per-segment visibility: one entry a point, 1 if most of the segment that starts there is visible
+/// (0 for the last point of an open line, and for segments outside the picture).
+/// depth: see sampleVisibility (Frame::depth). Cost: O(length in pixels).
 [[nodiscard]] std::vector<std::uint8_t>
 segmentVisibility(const PolylineSet& lines, const LineScene& scene, const DepthImage& depth);
 

@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Draws the stroke textures of Limn's own texture sets: NAME/visible.png and NAME/hidden.png.
+
+Usage: generate.py [FOLDER]     (default: the folder of this script)
+
+A texture is one repeat of a stroke, left to right, and closes on itself there. Its alpha is ink. The
+middle BODY of its height is the stroke at its nominal width; the rest is room for wobble. Only the
+standard library is used, and the same bytes come out every time.
+"""
+import math
+import pathlib
+import random
+import struct
+import sys
+import zlib
+
+WIDTH, HEIGHT = 1024, 32
+BODY = 0.6
+
+
+def write_png(path, rows):
+    """rows: HEIGHT lists of WIDTH ink values 0 … 1; written as grey + alpha, black with alpha = ink."""
+    raw = bytearray()
+    for row in rows:
+        raw.append(0)
+        for ink in row:
+            raw += bytes((0, max(0, min(255, round(255 * ink)))))
+    def chunk(kind, data):
+        body = kind + data
+        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
+    header = struct.pack(">IIBBBBB", WIDTH, HEIGHT, 8, 4, 0, 0, 0)
+    path.write_bytes(
+        b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(bytes(raw), 9)) + chunk(b"IEND", b""))
+
+
+class Noise:
+    """Smooth value noise, −1 … 1, periodic in x over WIDTH texels."""
+
+    def __init__(self, seed, cells_x, cell_y=None):
+        rng = random.Random(seed)
+        self.cells_x, self.cell_y = cells_x, cell_y
+        rows = 1 if cell_y is None else HEIGHT // cell_y + 2
+        self.values = [[rng.uniform(-1, 1) for _ in range(cells_x)] for _ in range(rows)]
+
+    def __call__(self, x, y=0.0):
+        def along(row):
+            t = (x / WIDTH) % 1.0 * self.cells_x
+            i = int(t)
+            f = t - i
+            f = f * f * (3 - 2 * f)
+            return row[i % self.cells_x] * (1 - f) + row[(i + 1) % self.cells_x] * f
+        if self.cell_y is None:
+            return along(self.values[0])
+        t = y / self.cell_y
+        i = min(int(t), len(self.values) - 2)
+        f = t - i
+        f = f * f * (3 - 2 * f)
+        return along(self.values[i]) * (1 - f) + along(self.values[i + 1]) * f
+
+
+def smoothstep(low, high, x):
+    t = max(0.0, min(1.0, (x - low) / (high - low)))
+    return t * t * (3 - 2 * t)
+
+
+def dashes(seed, count, share, uneven):
+    """Dashes of uneven length round the repeat: [(begin, end)] in texels, gaps between them."""
+    rng = random.Random(seed)
+    periods = [1 + rng.uniform(-uneven, uneven) for _ in range(count)]
+    scale = WIDTH / sum(periods)
+    at, result = 0.0, []
+    for period in periods:
+        length = period * scale
+        ink = length * share * (1 + rng.uniform(-uneven, uneven) * 0.4)
+        result.append((at, at + ink))
+        at += length
+    return result
+
+
+def from_dash_ends(x, spans):
+    """Signed distance into the nearest dash, in texels: > 0 inside."""
+    best = -float(WIDTH)
+    for begin, end in spans:
+        for shift in (-WIDTH, 0, WIDTH):
+            best = max(best, min(x - begin - shift, end + shift - x))
+    return best
+
+
+def pencil(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+    """Graphite: a soft edge, pressure that comes and goes, streaks along and grain across."""
+    centre, slow = Noise(seed, 9), Noise(seed + 1, 4)
+    width, pressure = Noise(seed + 2, 14), Noise(seed + 3, 11)
+    streaks, grain = Noise(seed + 4, 70, 2), Noise(seed + 5, 420, 1)
+    fine = Noise(seed + 6, 800, 1)
+    rows = []
+    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
+    for y in range(HEIGHT):
+        v = 2 * (y + 0.5) / HEIGHT - 1
+        row = []
+        for x in range(WIDTH):
+            half = BODY * weight * (0.92 + 0.10 * width(x))
+            off = abs(v - 0.14 * centre(x) - 0.08 * slow(x)) / half
+            ink = smoothstep(1.12, 0.45, off)
+            ink *= 0.86 + 0.12 * pressure(x)
+            ink *= 0.86 + 0.16 * streaks(x, y) + 0.20 * grain(x, y) + 0.10 * fine(x, y)
+            if inside is not None:
+                # Ends of dashes: round, fading as the pencil lifts.
+                px_in = inside[x] / texels_per_px[0]
+                px_off = off * half * HEIGHT / 2 / texels_per_px[1]
+                ink *= smoothstep(-0.4, 1.6, px_in - 0.35 * px_off * px_off)
+            row.append(ink * smoothstep(1.0, 0.92, abs(v)))
+        rows.append(row)
+    return rows
+
+
+def ink_pen(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+    """A steel nib: full black, a crisp edge, the width breathing with the hand."""
+    centre, slow = Noise(seed, 7), Noise(seed + 1, 3)
+    width, swell = Noise(seed + 2, 17), Noise(seed + 3, 5)
+    upper, lower = Noise(seed + 4, 120), Noise(seed + 5, 120)
+    rows = []
+    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
+    for y in range(HEIGHT):
+        v = 2 * (y + 0.5) / HEIGHT - 1
+        row = []
+        for x in range(WIDTH):
+            half = BODY * weight * (0.98 + 0.07 * width(x) + 0.10 * swell(x))
+            side = v - 0.07 * centre(x) - 0.06 * slow(x)
+            edge = half + 0.035 * (upper(x) if side < 0 else lower(x))
+            ink = smoothstep(edge + 0.09, edge - 0.09, abs(side))
+            if inside is not None:
+                # Round ends, where ink pools a little.
+                px_in = inside[x] / texels_per_px[0]
+                px_off = abs(side) * HEIGHT / 2 / texels_per_px[1]
+                radius = half * HEIGHT / 2 / texels_per_px[1]
+                bulge = radius * (1 + 0.12 * smoothstep(2.2 * radius, radius, px_in))
+                past = bulge - px_in
+                reach = math.hypot(max(past, 0.0), px_off)
+                ink = smoothstep(bulge + 0.35, bulge - 0.35, reach)
+            row.append(ink * smoothstep(1.0, 0.92, abs(v)))
+        rows.append(row)
+    return rows
+
+
+def main():
+    folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent
+    for name, draw, seed, dash in (
+        ("pencil", pencil, 100, dict(count=17, share=0.62, uneven=0.16)),
+        ("ink", ink_pen, 200, dict(count=20, share=0.58, uneven=0.07)),
+    ):
+        (folder / name).mkdir(parents=True, exist_ok=True)
+        write_png(folder / name / "visible.png", draw(seed))
+        spans = dashes(seed + 50, **dash)
+        write_png(folder / name / "hidden.png", draw(seed + 20, spans=spans, weight=0.72))
+
+
+main()

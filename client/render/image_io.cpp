@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/render/image_io.h"
+
+#define STBI_ONLY_PNG
+#define STBI_MAX_DIMENSIONS 8192
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image.h>
+#include <stb/stb_image_write.h>
+#pragma GCC diagnostic pop
+
+#include <cstddef>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <system_error>
+#include <vector>
+
+namespace limn {
+
+Result<void> writePng(const std::filesystem::path& path, const Image& image) {
+  if (image.width < 1 || image.height < 1 ||
+      image.rgba.size() !=
+          4 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height)) {
+    return fail(ErrorCode::kInvalidArgument, "there is no picture to write to " + path.string());
+  }
+  std::vector<char> bytes;
+  const auto append = [](void* context, void* data, int size) {
+    auto& out = *static_cast<std::vector<char>*>(context);
+    const char* first = static_cast<const char*>(data);
+    out.insert(out.end(), first, first + size);
+  };
+  if (stbi_write_png_to_func(
+          append,
+          &bytes,
+          image.width,
+          image.height,
+          4,
+          image.rgba.data(),
+          4 * image.width) == 0) {
+    return fail(ErrorCode::kIo, "cannot encode the picture " + path.string());
+  }
+  // Only a regular file is replaced: renaming onto a device or pipe would destroy it.
+  std::error_code unknown;
+  const bool replaces =
+      !std::filesystem::exists(path, unknown) || (std::filesystem::is_regular_file(path, unknown) &&
+                                                  !std::filesystem::is_symlink(path, unknown));
+  std::filesystem::path partial = path;
+  if (replaces) partial += ".part";
+  std::ofstream file(partial, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  std::error_code failed;
+  if (file && replaces) std::filesystem::rename(partial, path, failed);
+  if (!file || failed) {
+    std::error_code ignored;
+    if (replaces) std::filesystem::remove(partial, ignored);
+    return fail(
+        ErrorCode::kIo,
+        "cannot write " + path.string() +
+            ": check that the folder exists, may be written and has room");
+  }
+  return {};
+}
+
+Result<Image> readPng(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return fail(ErrorCode::kNotFound, "cannot open the picture " + path.string());
+  const std::vector<char> bytes{
+      std::istreambuf_iterator<char>(file),
+      std::istreambuf_iterator<char>()};
+  if (bytes.size() > (std::size_t{64} << 20)) {
+    return fail(ErrorCode::kLimitExceeded, path.string() + " is larger than 64 MiB");
+  }
+  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+  const int size = static_cast<int>(bytes.size());
+  int width = 0;
+  int height = 0;
+  int channels = 0;
+  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
+      stbi_load_from_memory(data, size, &width, &height, &channels, 4),
+      stbi_image_free);
+  if (!pixels) {
+    return fail(
+        ErrorCode::kCorrupt,
+        path.string() + " is not a PNG of at most 8192x8192 pixels: " + stbi_failure_reason());
+  }
+  Image image{width, height, {}};
+  image.rgba.assign(
+      pixels.get(),
+      pixels.get() + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  return image;
+}
+
+}  // namespace limn

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/core/snapshot.h"
+
+#include "shared/core/camera.h"
+#include "shared/gl/handles.h"
+#include "shared/gl/program.h"
+#include "shared/gl/target.h"
+
+namespace limn {
+
+/// The mesh on the GPU, drawn for its depth or lit.
+class MeshPass {
+ public:
+  /// Errors: kUnavailable.
+  [[nodiscard]] static Result<MeshPass> create(const gl::Api& api);
+
+  /// Uploads the snapshot's mesh unless it is the one already there (same asset, revision, counts).
+  /// Positions are grid units relative to the box's centre, exact in float; returns whether it did.
+  bool upload(const MeshSnapshot& snapshot);
+
+  /// Draws depth into target.depth().
+  void drawDepth(const MeshSnapshot& snapshot, const Camera& camera, const gl::Target& target)
+      const;
+  /// Draws the lit mesh on `background`.
+  void drawShaded(
+      const MeshSnapshot& snapshot,
+      const Camera& camera,
+      const gl::Target& target,
+      const glm::vec3& background) const;
+
+ private:
+  void draw(
+      const MeshSnapshot& snapshot,
+      const Camera& camera,
+      const gl::Target& target,
+      const gl::Program& program) const;
+
+  const gl::Api* api_ = nullptr;
+  gl::Program depthProgram_;
+  gl::Program shadedProgram_;
+  gl::VertexArray vertexArray_;
+  gl::Buffer positions_;
+  gl::Buffer indices_;
+  // Of the mesh that is there.
+  bool hasMesh_ = false;
+  Sha256Digest asset_{};
+  std::uint64_t revision_ = 0;
+  std::size_t vertices_ = 0;
+  std::size_t indexCount_ = 0;
+  glm::ivec3 center_{0};
+};
+
+}  // namespace limn

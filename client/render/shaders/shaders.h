@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+/// Shader sources, `#version 300 es`. Framebuffers have their origin bottom left; everything that
+/// comes from the CPU (pixels, samples) has it top left, and the shaders turn it over.
+namespace limn::shaders {
+
+/// position: grid units relative to the model's centre.
+inline constexpr std::string_view kMeshVertex = R"(#version 300 es
+layout(location = 0) in vec3 position;
+uniform mat4 clipFromCenter;
+out highp vec3 place;
+void main() {
+  place = position;
+  gl_Position = clipFromCenter * vec4(position, 1.0);
+}
+)";
+
+inline constexpr std::string_view kDepthFragment = R"(#version 300 es
+precision highp float;
+void main() {}
+)";
+
+/// Lambert from a light above the viewer's left shoulder, by face normals.
+inline constexpr std::string_view kShadedFragment = R"(#version 300 es
+precision highp float;
+in highp vec3 place;
+uniform vec3 light;    // unit, towards the light, in the mesh's axes
+uniform vec3 surface;  // colour
+out vec4 color;
+void main() {
+  vec3 n = normalize(cross(dFdx(place), dFdy(place)));
+  float lit = 0.30 + 0.70 * max(dot(n, light), 0.0);
+  color = vec4(surface * lit, 1.0);
+}
+)";
+
+/// One triangle that covers the framebuffer; no attributes.
+inline constexpr std::string_view kScreenVertex = R"(#version 300 es
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  gl_Position = vec4(corner, 0.0, 1.0);
+}
+)";
+
+/// The 8-neighbourhood test, one fragment a spine sample: see testSamples in
+/// client/stroke/visibility.cpp, which does the same operations.
+inline constexpr std::string_view kVisibilityFragment = R"(#version 300 es
+precision highp float;
+precision highp int;
+uniform highp sampler2D samples;  // two texels a sample, see SpineSample
+uniform highp sampler2D depthMap;
+out float visible;
+void main() {
+  ivec2 cell = ivec2(gl_FragCoord.xy);
+  vec4 place = texelFetch(samples, ivec2(2 * cell.x, cell.y), 0);
+  vec2 outward = texelFetch(samples, ivec2(2 * cell.x + 1, cell.y), 0).xy;
+  visible = 0.0;
+  if (place.w < 0.0) return;
+  ivec2 size = textureSize(depthMap, 0);
+  ivec2 centre = ivec2(floor(place.xy * vec2(size)));
+  float limit = place.z - place.w;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      if (dot(vec2(float(dx), float(dy)), outward) < -0.1) continue;
+      ivec2 texel = clamp(centre + ivec2(dx, dy), ivec2(0), size - 1);
+      if (texelFetch(depthMap, ivec2(texel.x, size.y - 1 - texel.y), 0).r >= limit) visible = 1.0;
+    }
+  }
+}
+)";
+
+/// The filter along the spine: see sampleVisibility.
+inline constexpr std::string_view kFilterFragment = R"(#version 300 es
+precision highp float;
+precision highp int;
+uniform highp sampler2D samples;
+uniform highp sampler2D tested;
+uniform int radius;
+out float visible;
+void main() {
+  ivec2 cell = ivec2(gl_FragCoord.xy);
+  int width = textureSize(tested, 0).x;
+  int index = cell.y * width + cell.x;
+  vec2 range = texelFetch(samples, ivec2(2 * cell.x + 1, cell.y), 0).zw;
+  int first = int(range.x);
+  int last = int(abs(range.y));
+  bool closed = range.y < 0.0;
+  int count = max(last - first + 1, 1);
+  float sum = 0.0;
+  float weight = 0.0;
+  for (int step = -radius; step <= radius; ++step) {
+    int j = index + step;
+    if (closed) {
+      j = first + (((j - first) % count) + count) % count;
+    } else if (j < first || j > last) {
+      continue;
+    }
+    float w = float(radius + 1 - abs(step));
+    sum += w * texelFetch(tested, ivec2(j % width, j / width), 0).r;
+    weight += w;
+  }
+  visible = sum / max(weight, 1.0);
+}
+)";
+
+inline constexpr std::string_view kStrokeVertex = R"(#version 300 es
+layout(location = 0) in vec2 position;   // pixels from the top left
+layout(location = 1) in vec2 place;      // across, sample
+layout(location = 2) in vec2 repeats;    // of the visible and the hidden texture
+layout(location = 3) in vec2 fades;      // of the visible and the hidden parts
+layout(location = 4) in float margin;    // half the strip's width, pixels
+uniform vec2 pictureSize;
+out highp vec2 spine;
+out highp vec2 along;
+out mediump vec2 opacity;
+out highp float halfWidth;
+void main() {
+  spine = place;
+  along = repeats;
+  opacity = fades;
+  halfWidth = margin;
+  vec2 ndc = 2.0 * position / pictureSize - 1.0;
+  gl_Position = vec4(ndc.x, -ndc.y, 0.0, 1.0);
+}
+)";
+
+/// Ink, visible in red and hidden in green. Drawn with "maximum" blending: where a stroke crosses
+/// itself or another, ink is not laid on twice.
+inline constexpr std::string_view kStrokeFragment = R"(#version 300 es
+precision highp float;
+precision highp int;
+in highp vec2 spine;
+in highp vec2 along;
+in mediump vec2 opacity;
+in highp float halfWidth;
+uniform highp sampler2D visibility;
+uniform sampler2D visibleStroke;
+uniform sampler2D hiddenStroke;
+uniform int hiddenMode;          // 0 its style, 1 not drawn, 2 as visible
+uniform float body;              // share of the strip that is ink
+uniform float rampPx;            // distance along the line over which visibility goes from 0 to 1
+out vec2 ink;
+float visibilityAt(int index) {
+  int width = textureSize(visibility, 0).x;
+  return texelFetch(visibility, ivec2(index % width, index / width), 0).r;
+}
+void main() {
+  float base = floor(spine.y);
+  float seen = mix(visibilityAt(int(base)), visibilityAt(int(base) + 1), spine.y - base);
+  // Distance past the place where the line goes hidden, and a round end for the visible part there.
+  float past = (seen - 0.5) * rampPx;
+  float radius = min(halfWidth * body, 0.4 * rampPx);
+  float t = min(abs(spine.x) / body, 1.0);
+  float end = radius * (1.0 - sqrt(1.0 - t * t));
+  float share = hiddenMode == 2 ? 1.0 : smoothstep(-0.5, 0.5, past - end);
+  if (seen >= 0.97) share = 1.0;
+  vec2 v = vec2(0.5 + 0.5 * spine.x);
+  float dark = texture(visibleStroke, vec2(along.x, v.x)).r;
+  float faint = hiddenMode == 0 ? texture(hiddenStroke, vec2(along.y, v.y)).r : 0.0;
+  ink = vec2(dark * share * opacity.x, faint * (1.0 - share) * opacity.y);
+}
+)";
+
+/// Ink on paper, and the reduction from the supersampled framebuffer.
+inline constexpr std::string_view kPaperFragment = R"(#version 300 es
+precision highp float;
+precision highp int;
+uniform highp sampler2D inkMap;
+uniform int supersample;
+uniform vec3 paper;
+uniform vec3 visibleColor;
+uniform vec3 hiddenColor;
+uniform vec2 opacities;
+uniform float grain;
+uniform int pictureHeight;
+out vec4 color;
+uint scramble(uint h) {
+  h ^= h >> 16; h *= 0x7feb352du; h ^= h >> 15; h *= 0x846ca68bu; h ^= h >> 16;
+  return h;
+}
+float lattice(ivec2 p) {
+  return float(scramble(uint(p.x) * 0x9e3779b9u + scramble(uint(p.y))) >> 8) / 16777216.0;
+}
+// Value noise, the paper's tooth.
+float tooth(vec2 p) {
+  ivec2 cell = ivec2(floor(p));
+  vec2 f = p - floor(p);
+  f = f * f * (3.0 - 2.0 * f);
+  return mix(
+      mix(lattice(cell), lattice(cell + ivec2(1, 0)), f.x),
+      mix(lattice(cell + ivec2(0, 1)), lattice(cell + ivec2(1, 1)), f.x), f.y);
+}
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec2 ink = vec2(0.0);
+  for (int y = 0; y < supersample; ++y) {
+    for (int x = 0; x < supersample; ++x) {
+      ink += texelFetch(inkMap, pixel * supersample + ivec2(x, y), 0).rg;
+    }
+  }
+  ink /= float(supersample * supersample);
+  if (grain > 0.0 && max(ink.r, ink.g) > 0.0) {
+    vec2 p = vec2(float(pixel.x), float(pictureHeight - 1 - pixel.y));
+    float n = 0.65 * tooth(p / 1.3) + 0.35 * tooth(p / 2.9 + 17.0);
+    // Ink reaches the hollows of the paper only where it is laid on thickly.
+    ink *= mix(vec2(1.0), smoothstep(vec2(-0.35), vec2(0.30), ink - n * 0.9 + 0.25), grain);
+  }
+  vec3 result = mix(paper, hiddenColor, ink.g * opacities.y);
+  result = mix(result, visibleColor, ink.r * opacities.x);
+  color = vec4(result, 1.0);
+}
+)";
+
+inline constexpr std::string_view kReduceFragment = R"(#version 300 es
+precision highp float;
+precision highp int;
+uniform highp sampler2D picture;
+uniform int supersample;
+out vec4 color;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 sum = vec4(0.0);
+  for (int y = 0; y < supersample; ++y) {
+    for (int x = 0; x < supersample; ++x) {
+      sum += texelFetch(picture, pixel * supersample + ivec2(x, y), 0);
+    }
+  }
+  color = sum / float(supersample * supersample);
+}
+)";
+
+/// Depth as its bits, to be read back: GLES reads no depth textures.
+inline constexpr std::string_view kDepthBitsFragment = R"(#version 300 es
+precision highp float;
+precision highp int;
+uniform highp sampler2D depthMap;
+out uvec4 bits;
+void main() {
+  bits = uvec4(floatBitsToUint(texelFetch(depthMap, ivec2(gl_FragCoord.xy), 0).r), 0u, 0u, 0u);
+}
+)";
+
+}  // namespace limn::shaders

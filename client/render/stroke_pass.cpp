@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// Based on: P. Mohr (thesis), 2013, §3.4 for the depth texture and its 8-neighbourhood; F. Cole and
+// A. Finkelstein, "Fast High-Quality Line Visibility", I3D 2009, for an atlas with one texel a
+// sample of every line, so that visibility can be filtered along lines before it is used.
+#include "client/render/stroke_pass.h"
+
+#include "client/render/shaders/shaders.h"
+#include "client/stroke/visibility.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace limn {
+namespace {
+
+const void* offset(std::size_t bytes) {
+  return reinterpret_cast<const void*>(bytes);
+}
+
+}  // namespace
+
+Result<StrokePass> StrokePass::create(const gl::Api& api) {
+  StrokePass pass;
+  pass.api_ = &api;
+  auto test = gl::Program::build(
+      api,
+      "line visibility",
+      shaders::kScreenVertex,
+      shaders::kVisibilityFragment);
+  if (!test) return tl::unexpected(test.error());
+  auto filter = gl::Program::build(
+      api,
+      "visibility filter",
+      shaders::kScreenVertex,
+      shaders::kFilterFragment);
+  if (!filter) return tl::unexpected(filter.error());
+  auto stroke =
+      gl::Program::build(api, "strokes", shaders::kStrokeVertex, shaders::kStrokeFragment);
+  if (!stroke) return tl::unexpected(stroke.error());
+  pass.testProgram_ = *std::move(test);
+  pass.filterProgram_ = *std::move(filter);
+  pass.strokeProgram_ = *std::move(stroke);
+  pass.noAttributes_ = gl::VertexArray::create(api);
+  pass.strokeArray_ = gl::VertexArray::create(api);
+  pass.vertices_ = gl::Buffer::create(api);
+  pass.indices_ = gl::Buffer::create(api);
+  api.bindVertexArray(pass.strokeArray_.id());
+  api.bindBuffer(GL_ARRAY_BUFFER, pass.vertices_.id());
+  api.bindBuffer(GL_ELEMENT_ARRAY_BUFFER, pass.indices_.id());
+  const auto attribute = [&api](GLuint index, GLint size, std::size_t at) {
+    api.enableVertexAttribArray(index);
+    api.vertexAttribPointer(index, size, GL_FLOAT, GL_FALSE, sizeof(StrokeVertex), offset(at));
+  };
+  attribute(0, 2, offsetof(StrokeVertex, position));
+  attribute(1, 2, offsetof(StrokeVertex, across));
+  attribute(2, 2, offsetof(StrokeVertex, visibleU));
+  attribute(3, 2, offsetof(StrokeVertex, visibleFade));
+  attribute(4, 1, offsetof(StrokeVertex, margin));
+  return pass;
+}
+
+Result<void> StrokePass::findVisibility(const SpineSamples& samples, const gl::Texture& depth) {
+  const std::size_t count = samples.samples.size();
+  const int rows = std::max(1, static_cast<int>((count + kAtlasWidth - 1) / kAtlasWidth));
+  if (rows > rows_) {
+    int grown = 16;
+    while (grown < rows)
+      grown *= 2;
+    sampleTexture_ = gl::makeTexture(*api_, gl::TexelFormat::kRgba32f, {2 * kAtlasWidth, grown});
+    const gl::Target::Options atlas{
+        .size = {kAtlasWidth, grown},
+        .hasColor = true,
+        .color = gl::TexelFormat::kR8};
+    auto tested = gl::Target::create(*api_, "the visibility atlas", atlas);
+    if (!tested) return tl::unexpected(tested.error());
+    auto filtered = gl::Target::create(*api_, "the visibility atlas", atlas);
+    if (!filtered) return tl::unexpected(filtered.error());
+    tested_ = *std::move(tested);
+    filtered_ = *std::move(filtered);
+    rows_ = grown;
+  }
+  // Whole rows first, then what is left of the last one.
+  api_->activeTexture(GL_TEXTURE0);
+  api_->bindTexture(GL_TEXTURE_2D, sampleTexture_.id());
+  api_->pixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  const int whole = static_cast<int>(count / kAtlasWidth);
+  const int rest = static_cast<int>(count % kAtlasWidth);
+  const SpineSample* data = samples.samples.data();
+  if (whole > 0) {
+    api_->texSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 2 * kAtlasWidth, whole, GL_RGBA, GL_FLOAT, data);
+  }
+  if (rest > 0) {
+    api_->texSubImage2D(
+        GL_TEXTURE_2D,
+        0,
+        0,
+        whole,
+        2 * rest,
+        1,
+        GL_RGBA,
+        GL_FLOAT,
+        data + static_cast<std::size_t>(whole) * kAtlasWidth);
+  }
+  api_->disable(GL_BLEND);
+  api_->bindVertexArray(noAttributes_.id());
+
+  testProgram_.use();
+  testProgram_.set("samples", 0);
+  testProgram_.set("depthMap", 1);
+  gl::bindTexture(*api_, 0, sampleTexture_);
+  gl::bindTexture(*api_, 1, depth);
+  tested_.bind();
+  api_->viewport(0, 0, kAtlasWidth, rows);
+  api_->drawArrays(GL_TRIANGLES, 0, 3);
+
+  filterProgram_.use();
+  filterProgram_.set("samples", 0);
+  filterProgram_.set("tested", 1);
+  filterProgram_.set("radius", kVisibilityFilterRadius);
+  gl::bindTexture(*api_, 1, tested_.color());
+  filtered_.bind();
+  api_->viewport(0, 0, kAtlasWidth, rows);
+  api_->drawArrays(GL_TRIANGLES, 0, 3);
+  return {};
+}
+
+void StrokePass::draw(
+    const StrokeMesh& strokes,
+    const LoadedStyle& style,
+    const DrawOptions& options,
+    const gl::Target& target) const {
+  target.bind();
+  api_->clearColor(0.0F, 0.0F, 0.0F, 0.0F);
+  api_->clear(GL_COLOR_BUFFER_BIT);
+  if (strokes.indices.empty()) return;
+  api_->bindVertexArray(strokeArray_.id());
+  api_->bindBuffer(GL_ARRAY_BUFFER, vertices_.id());
+  api_->bufferData(
+      GL_ARRAY_BUFFER,
+      static_cast<GLsizeiptr>(strokes.vertices.size() * sizeof(StrokeVertex)),
+      strokes.vertices.data(),
+      GL_STREAM_DRAW);
+  api_->bufferData(
+      GL_ELEMENT_ARRAY_BUFFER,
+      static_cast<GLsizeiptr>(strokes.indices.size() * sizeof(std::uint32_t)),
+      strokes.indices.data(),
+      GL_STREAM_DRAW);
+  strokeProgram_.use();
+  strokeProgram_.set("pictureSize", glm::vec2(options.viewport.width, options.viewport.height));
+  strokeProgram_.set("visibility", 0);
+  strokeProgram_.set("visibleStroke", 1);
+  strokeProgram_.set("hiddenStroke", 2);
+  strokeProgram_.set("hiddenMode", static_cast<int>(options.hidden));
+  strokeProgram_.set("body", style.style.body);
+  // A step through the triangular filter of radius R climbs by 1/(R + 1) a sample in its middle.
+  strokeProgram_.set("rampPx", (kVisibilityFilterRadius + 1) / options.samplesPerPx);
+  gl::bindTexture(*api_, 0, filtered_.color());
+  gl::bindTexture(*api_, 1, style.visible);
+  gl::bindTexture(*api_, 2, style.hidden);
+  api_->enable(GL_BLEND);
+  api_->blendEquation(GL_MAX);
+  api_->blendFunc(GL_ONE, GL_ONE);
+  api_->drawElements(
+      GL_TRIANGLES,
+      static_cast<GLsizei>(strokes.indices.size()),
+      GL_UNSIGNED_INT,
+      nullptr);
+  api_->blendEquation(GL_FUNC_ADD);
+  api_->disable(GL_BLEND);
+}
+
+std::vector<float> StrokePass::readVisibility(std::size_t samples) const {
+  if (rows_ == 0) return {};
+  filtered_.bind();
+  std::vector<std::uint8_t> texels(
+      4 * static_cast<std::size_t>(kAtlasWidth) * static_cast<std::size_t>(rows_));
+  api_->pixelStorei(GL_PACK_ALIGNMENT, 1);
+  api_->readPixels(0, 0, kAtlasWidth, rows_, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+  std::vector<float> values(samples);
+  for (std::size_t i = 0; i < samples; ++i)
+    values[i] = static_cast<float>(texels[4 * i]) / 255.0F;
+  return values;
+}
+
+}  // namespace limn

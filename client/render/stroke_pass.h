@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/render/style_store.h"
+#include "client/stroke/spine_samples.h"
+#include "client/stroke/tessellate.h"
+
+#include "shared/core/camera.h"
+#include "shared/gl/handles.h"
+#include "shared/gl/program.h"
+#include "shared/gl/target.h"
+
+namespace limn {
+
+/// Visibility along spines, and strokes of ink with it.
+class StrokePass {
+ public:
+  /// Errors: kUnavailable.
+  [[nodiscard]] static Result<StrokePass> create(const gl::Api& api);
+
+  /// Most samples a frame can have.
+  static constexpr std::uint32_t kMaxSamples = 1U << 20;
+
+  /// Tests and filters every sample against depth. Errors: kUnavailable.
+  [[nodiscard]] Result<void> findVisibility(const SpineSamples& samples, const gl::Texture& depth);
+
+  /// What happens to hidden parts; the shader's numbers.
+  enum class Hidden { kStyle = 0, kOff = 1, kAsVisible = 2 };
+
+  struct DrawOptions {
+    Viewport viewport;  // that the strokes' pixels count in
+    Hidden hidden = Hidden::kStyle;
+    float samplesPerPx = 1.0F;
+  };
+
+  /// Clears target (kRg8) and lays the ink on, with the visibility found last.
+  void draw(
+      const StrokeMesh& strokes,
+      const LoadedStyle& style,
+      const DrawOptions& options,
+      const gl::Target& target) const;
+
+  /// The visibility found last, 0 … 1 a sample, read back. For tests.
+  [[nodiscard]] std::vector<float> readVisibility(std::size_t samples) const;
+
+ private:
+  static constexpr int kAtlasWidth = 1024;  // samples a row
+
+  const gl::Api* api_ = nullptr;
+  gl::Program testProgram_;
+  gl::Program filterProgram_;
+  gl::Program strokeProgram_;
+  gl::VertexArray noAttributes_;
+  gl::VertexArray strokeArray_;
+  gl::Buffer vertices_;
+  gl::Buffer indices_;
+  // Grown when a frame needs more rows.
+  int rows_ = 0;
+  gl::Texture sampleTexture_;
+  gl::Target tested_;
+  gl::Target filtered_;
+};
+
+}  // namespace limn

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "shared/core/camera.h"
+#include "shared/mesh/half_edge.h"
+#include "shared/mesh/triangle_mesh.h"
+
+#include <glm/glm.hpp>
+
+#include <span>
+
+namespace limn {
+
+/// The mesh that lines were found on, as a picture sees it. Refers to its parts: for the length of
+/// a call.
+struct LineScene {
+  const HalfEdgeMesh& mesh;
+  std::span<const glm::ivec3> positions;  // by slot, on the grid
+  const Grid& grid;
+  const Camera& camera;
+  Viewport viewport;
+};
+
+}  // namespace limn

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/stroke/line_scene.h"
+#include "client/stroke/polyline.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+
+namespace limn {
+
+/// What the mesh says about one segment of a line seen from a camera.
+struct SegmentFacts {
+  bool hiddenByRule = false;  // its own two faces hide it, whatever else there is
+  float bias = 0.0F;          // window depth that its own surface may rise above it nearby
+  glm::vec2 outward{0.0F};    // see SpineSample
+};
+
+/// Works out SegmentFacts for one camera.
+class SegmentJudge {
+ public:
+  SegmentJudge(const PolylineSet& lines, const LineScene& scene);
+
+  /// point: the segment that starts at lines.points[point]; kind: of its line; next: its end point.
+  /// Cost: O(1).
+  [[nodiscard]] SegmentFacts judge(LineKind kind, std::uint32_t point, std::uint32_t next) const;
+
+ private:
+  [[nodiscard]] glm::dvec3 corner(HalfEdgeId h) const {
+    return glm::dvec3(scene_.positions[scene_.mesh.origin(h)]);
+  }
+
+  [[nodiscard]] glm::dvec3 normal(FaceId face) const;  // twice the area long
+  [[nodiscard]] glm::dvec3 towardEye(const glm::dvec3& p) const;
+  [[nodiscard]] bool isFront(FaceId face) const;
+  [[nodiscard]] glm::vec2 outward(std::uint32_t point, std::uint32_t next, const glm::dvec3& away)
+      const;
+  /// Depth that face may rise within reachPx of a line on it, at most its own depth range.
+  [[nodiscard]] float slopeBias(FaceId face, float reachPx) const;
+  [[nodiscard]] float depthRange(FaceId face) const;
+
+  const PolylineSet& lines_;
+  LineScene scene_;
+  glm::dmat4 clipFromGrid_;
+  glm::dvec3 eye_;  // grid units
+  glm::dvec3 forward_;
+  double floor_;  // window depth
+};
+
+}  // namespace limn

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/stroke/line_scene.h"
+#include "client/stroke/polyline.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <vector>
+
+namespace limn {
+
+/// Lines as the picture has them: what lies before the near plane or far outside the picture is cut
+/// away, so that one line may become several spines. Pixels, origin top left.
+struct SpineSet {
+  struct Spine {
+    LineKind kind = LineKind::kSilhouette;
+    bool closed = false;    // the first point is not repeated
+    bool freeStart = true;  // a true end of the line, not a cut
+    bool freeEnd = true;
+    std::uint32_t begin = 0;  // points[begin … end)
+    std::uint32_t end = 0;
+    std::uint32_t line = 0;  // of the PolylineSet
+
+    [[nodiscard]] std::uint32_t size() const { return end - begin; }
+  };
+
+  std::vector<glm::vec2> points;      // where the stroke is drawn
+  std::vector<glm::vec2> exact;       // where the line projects to; differs once smoothed
+  std::vector<float> depth;           // window depth in [0, 1], affine along a segment
+  std::vector<std::uint32_t> source;  // the point of the PolylineSet whose segment starts here
+  std::vector<Spine> spines;
+};
+
+/// How far outside the picture spines are kept, as a fraction of its size on each side.
+inline constexpr double kSpineMargin = 0.1;
+
+/// Projects and cuts lines. Points that fall together in the picture are merged. Cost: O(points).
+[[nodiscard]] SpineSet projectLines(const PolylineSet& lines, const LineScene& scene);
+
+/// Evens out the zig-zag of lines made of short mesh edges: every point moves to the Gaussian mean
+/// (standard deviation sigmaPx along the line) of its neighbours, so that corners between long
+/// segments stay where they are; ends stay. Cost: O(points) for segments of about sigmaPx.
+void smoothSpines(float sigmaPx, SpineSet& spines);
+
+/// Distance along each spine from its start to each of its points, in pixels, as drawn; and the
+/// whole length (a closed spine's includes its last segment).
+struct SpineArcs {
+  std::vector<float> arc;     // parallel to SpineSet::points
+  std::vector<float> length;  // parallel to SpineSet::spines
+};
+
+[[nodiscard]] SpineArcs measureSpines(const SpineSet& spines);
+
+}  // namespace limn

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/stroke/spine_samples.h"
+
+#include "client/stroke/segment_facts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limn {
+
+SpineSamples sampleSpines(
+    const SpineSet& spines,
+    const SpineArcs& arcs,
+    const PolylineSet& lines,
+    const LineScene& scene,
+    const SampleOptions& options) {
+  double total = 0.0;
+  for (const float length : arcs.length)
+    total += length;
+  // Each spine takes up to two more samples than its length asks for.
+  const double room = std::max<double>(
+      static_cast<double>(options.maxSamples) - 2.0 * static_cast<double>(spines.spines.size()),
+      1.0);
+  const double spacing = std::max<double>(options.spacingPx, total / room);
+
+  const SegmentJudge judge(lines, scene);
+  const glm::vec2 toFraction(1.0F / scene.viewport.width, 1.0F / scene.viewport.height);
+  SpineSamples out;
+  out.samples.reserve(static_cast<std::size_t>(total / spacing) + 2 * spines.spines.size());
+  for (std::size_t index = 0; index < spines.spines.size(); ++index) {
+    const SpineSet::Spine& spine = spines.spines[index];
+    const PolylineSet::Line& line = lines.lines[spine.line];
+    const float length = arcs.length[index];
+    const auto steps = static_cast<std::uint32_t>(std::max(1.0, std::ceil(length / spacing)));
+    // An open spine has a sample at both ends; a closed one wraps to its first.
+    const std::uint32_t count = steps + (spine.closed ? 0 : 1);
+    const auto first = static_cast<std::uint32_t>(out.samples.size());
+    const auto last = static_cast<float>(first + count - 1);
+    out.begin.push_back(first);
+    out.perPx.push_back(length > 0.0F ? static_cast<float>(steps) / length : 0.0F);
+
+    std::uint32_t segment = 0;  // from point begin + segment
+    std::uint32_t judged = kNone;
+    SegmentFacts facts;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const float arc = length * static_cast<float>(i) / static_cast<float>(steps);
+      const std::uint32_t lastSegment = spine.size() - (spine.closed ? 1 : 2);
+      while (segment < lastSegment && arcs.arc[spine.begin + segment + 1] < arc)
+        ++segment;
+      const std::uint32_t from = spine.begin + segment;
+      const std::uint32_t to = from + 1 < spine.end ? from + 1 : spine.begin;
+      const float toArc = from + 1 < spine.end ? arcs.arc[to] : length;
+      const float extent = toArc - arcs.arc[from];
+      const float t =
+          extent > 0.0F ? std::clamp((arc - arcs.arc[from]) / extent, 0.0F, 1.0F) : 0.0F;
+
+      const std::uint32_t source = spines.source[from];
+      if (source != judged) {
+        judged = source;
+        const std::uint32_t next =
+            source + 1 < line.end ? source + 1 : (line.closed ? line.begin : source);
+        facts = judge.judge(line.kind, source, next);
+      }
+      SpineSample sample;
+      sample.position = glm::mix(spines.exact[from], spines.exact[to], t) * toFraction;
+      sample.depth = glm::mix(spines.depth[from], spines.depth[to], t);
+      sample.bias = facts.hiddenByRule ? -1.0F : facts.bias;
+      sample.outward = facts.outward;
+      sample.first = static_cast<float>(first);
+      sample.last = spine.closed ? -last : last;
+      out.samples.push_back(sample);
+      out.source.push_back(source);
+    }
+  }
+  return out;
+}
+
+}  // namespace limn

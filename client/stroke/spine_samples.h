@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/stroke/line_scene.h"
+#include "client/stroke/spine.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <vector>
+
+namespace limn {
+
+/// One place on a spine where visibility is asked for. Eight floats, read by the visibility shader
+/// as two RGBA32F texels in this order.
+struct SpineSample {
+  glm::vec2 position{0.0F};  // of the exact line, as a fraction of the picture, from the top left
+  float depth = 0.0F;        // window depth of the line there
+  float bias = 0.0F;         // how much nearer a surface must be to hide it; < 0: hidden by rule
+  /// Unit vector in the picture (y down) away from the surface that ends at a silhouette; 0 for
+  /// lines with surface on both sides.
+  glm::vec2 outward{0.0F};
+  float first = 0.0F;  // index of the spine's first sample
+  float last = 0.0F;   // index of its last one; negated when the spine is closed
+};
+
+static_assert(sizeof(SpineSample) == 8 * sizeof(float));
+
+struct SpineSamples {
+  std::vector<SpineSample> samples;
+  std::vector<std::uint32_t> source;  // parallel: the PolylineSet point whose segment it is on
+  /// Parallel to SpineSet::spines: the sample coordinate at distance `arc` along spine s is
+  /// begin[s] + perPx[s] · arc.
+  std::vector<std::uint32_t> begin;
+  std::vector<float> perPx;
+};
+
+struct SampleOptions {
+  float spacingPx = 1.0F;               // along the line
+  std::uint32_t maxSamples = 1U << 20;  // spacing grows to stay below
+};
+
+/// Places samples along every spine, with what the mesh says about the visibility of each:
+/// a *concave* silhouette edge is hidden by its own surface from every eye that sees it as one
+/// (a third of a scan's silhouettes are), so it is hidden by rule; the bias follows the slope
+/// of the line's face. Cost: O(points + samples).
+[[nodiscard]] SpineSamples sampleSpines(
+    const SpineSet& spines,
+    const SpineArcs& arcs,
+    const PolylineSet& lines,
+    const LineScene& scene,
+    const SampleOptions& options = {});
+
+}  // namespace limn

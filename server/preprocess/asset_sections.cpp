@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/preprocess/asset_sections.h"
+
+#include "protocol/base_features.h"
+#include "protocol/framing.h"
+#include "protocol/messages.h"
+
+#include "shared/codec/seed_codec.h"
+#include "shared/codec/split_codec.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace limn {
+namespace {
+
+// Splits of one packet of a complete stream: about 8 KB, so that progress shows.
+constexpr std::uint32_t kPacketSplits = 4096;
+
+std::uint32_t chooseBlockLevels(const SplitForest& forest) {
+  const std::uint32_t vertices = forest.vertexCount();
+  const std::uint32_t wanted =
+      std::min(std::max(1400U, vertices / 64), std::max(1U, vertices / 10));
+  std::uint32_t levels = 0;
+  while (levels + 1 < forest.levelCount() && forest.levelBegin[levels + 1] < wanted)
+    ++levels;
+  return levels;
+}
+
+std::vector<VertexId> idRange(VertexId begin, VertexId end) {
+  std::vector<VertexId> ids(end - begin);
+  std::iota(ids.begin(), ids.end(), begin);
+  return ids;
+}
+
+}  // namespace
+
+std::uint64_t frameBytes(std::size_t messageBytes) {
+  return messageBytes + (messageBytes < 126 ? 2 : messageBytes < 65536 ? 4 : 10);
+}
+
+std::uint64_t wireBytes(std::span<const std::uint8_t> section) {
+  std::uint64_t total = 0;
+  protocol::FrameReader reader(section);
+  while (const auto message = reader.next()) {
+    if (!*message) break;
+    total += frameBytes((*message)->size());
+  }
+  return total;
+}
+
+WireSections encodeWireSections(
+    const BuiltForest& built,
+    const SeedTable& seeds,
+    const AssetIdentity& identity) {
+  const SplitForest& forest = built.forest;
+  const SplitModel model = trainSplitModel(forest);
+  const std::vector<std::uint8_t> modelBytes = serializeSplitModel(model);
+  const BoundingSphere sphere = boundingSphere(forest.grid, forest.positions);
+  const std::uint32_t blockLevels = chooseBlockLevels(forest);
+
+  WireSections sections;
+  protocol::appendFrame(
+      sections.info,
+      protocol::encodeMessage(protocol::ModelInfo{
+          .name = {},
+          .asset = identity.id,
+          .gridOrigin = forest.grid.origin,
+          .gridStep = forest.grid.step,
+          .gridBits = forest.grid.bits,
+          .center = sphere.center,
+          .radius = sphere.radius,
+          .vertices = forest.vertexCount(),
+          .faces = static_cast<std::uint32_t>(forest.triangles.size()),
+          .closed = identity.closed,
+          .levelBegin = forest.levelBegin,
+          .blockLevels = static_cast<std::uint8_t>(blockLevels),
+          .splitModel = modelBytes}));
+
+  const std::vector<std::uint8_t> features = protocol::packBaseFeatures(forest.baseFeatures);
+  const auto base =
+      protocol::encodeMessage(protocol::Base{.draco = built.baseDraco, .features = features});
+  protocol::appendFrame(sections.base, base);
+  sections.levelBytes.push_back(frameBytes(base.size()));
+
+  for (std::uint32_t level = 1; level <= blockLevels; ++level) {
+    const auto splits = encodeSplits(
+        forest,
+        model,
+        idRange(forest.levelBegin[level], forest.levelBegin[level + 1]));
+    const auto message = protocol::encodeMessage(
+        protocol::LevelBlock{.level = static_cast<std::uint8_t>(level), .splits = splits});
+    protocol::appendFrame(sections.blocks, message);
+    sections.levelBytes.push_back(frameBytes(message.size()));
+  }
+  // Packets end with their level, so that a level's bytes can be told.
+  for (std::uint32_t level = blockLevels + 1; level < forest.levelCount(); ++level) {
+    std::uint64_t bytes = 0;
+    for (VertexId begin = forest.levelBegin[level]; begin < forest.levelBegin[level + 1];
+         begin += kPacketSplits) {
+      const VertexId end = std::min(begin + kPacketSplits, forest.levelBegin[level + 1]);
+      const auto splits = encodeSplits(forest, model, idRange(begin, end));
+      const auto message = protocol::encodeMessage(protocol::Packet{.splits = splits});
+      protocol::appendFrame(sections.packets, message);
+      bytes += frameBytes(message.size());
+    }
+    sections.levelBytes.push_back(bytes);
+  }
+  const std::vector<std::uint8_t> seedBytes = encodeSeeds(seeds);
+  protocol::appendFrame(
+      sections.seeds,
+      protocol::encodeMessage(protocol::Seeds{.seeds = seedBytes}));
+  return sections;
+}
+
+}  // namespace limn

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "shared/mesh/triangle_mesh.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace limn {
+
+/// A binary little-endian PLY file: a vertex has double x, y, z in model units and int qx, qy, qz
+/// on the grid; faces are int32 index lists. What --dump-mesh writes, on both sides.
+[[nodiscard]] std::vector<std::uint8_t> encodePly(
+    const Grid& grid,
+    std::span<const glm::ivec3> positions,
+    std::span<const glm::uvec3> triangles);
+
+}  // namespace limn
