@@ -9,9 +9,10 @@ namespace limn::repair {
 
 namespace {
 
-/// Double-sided pieces below this size (grid steps) are what quantisation leaves of thin spikes and
-/// specks, not sheets that somebody drew: 0.1 % of the model at 14 bits.
-constexpr int kSpeck = 16;
+/// Double-sided pieces of less than this width (area over length, grid steps) are what quantisation
+/// leaves of spikes, slivers and specks, not sheets that somebody drew: 0.1 % of the model at 14
+/// bits.
+constexpr double kSpeckWidth = 16.0;
 
 struct Key {
   std::uint32_t middle;
@@ -24,10 +25,16 @@ struct Key {
   }
 };
 
-enum class Fate : std::uint8_t { kKeep, kDrop, kTwoSided };
+/// kTwoSided: as many copies of one orientation as of the other; kRepeated: an even number
+/// otherwise. Either may be a copy too many, or twice a face that should not be there at all.
+enum class Fate : std::uint8_t { kKeep, kDrop, kTwoSided, kRepeated };
 
-/// One face of each set of three corners stays; where the sides cancel (as many of one orientation
-/// as of the other) it is marked as two-sided.
+bool isDoubtful(Fate fate) {
+  return fate == Fate::kTwoSided || fate == Fate::kRepeated;
+}
+
+/// One face of each set of three corners stays, in the orientation that more have; where their
+/// number is even it is marked as doubtful.
 std::vector<Fate> markCopies(std::uint32_t vertexCount, std::span<const glm::uvec3> triangles) {
   std::vector<Fate> fates(triangles.size(), Fate::kKeep);
   std::vector<std::uint32_t> bucket(std::size_t{vertexCount} + 1, 0);
@@ -66,10 +73,12 @@ std::vector<Fate> markCopies(std::uint32_t vertexCount, std::span<const glm::uve
             [](const Key& k) { return k.odd; });
         const auto even = static_cast<std::ptrdiff_t>(last - first) - odd;
         bool kept = false;
+        const Fate fate = odd == even               ? Fate::kTwoSided
+                          : (last - first) % 2 == 0 ? Fate::kRepeated
+                                                    : Fate::kKeep;
         for (std::size_t i = first; i < last; ++i) {
           const bool chosen = !kept && (odd == even || keys[i].odd == (odd > even));
-          fates[keys[i].face] =
-              chosen ? (odd == even ? Fate::kTwoSided : Fate::kKeep) : Fate::kDrop;
+          fates[keys[i].face] = chosen ? fate : Fate::kDrop;
           kept = kept || chosen;
         }
       }
@@ -90,8 +99,31 @@ void erase(std::vector<glm::uvec3>& triangles, std::vector<Fate>& fates) {
   fates.resize(kept);
 }
 
-/// Decides for each connected cluster of two-sided faces whether one side stays or none.
-void settleTwoSided(
+/// Doubtful faces that share edges, and what the surface around them says.
+struct Cluster {
+  std::vector<FaceId> faces;
+  std::uint64_t bordersIfKept = 0;     // edges with an odd number of faces, these counted once each
+  std::uint64_t bordersIfDropped = 0;  // … and without them
+  std::uint64_t freeEdges = 0;         // borders if kept where no other face is
+  bool twoSided = true;                // every face of it cancels
+  bool attached = false;               // other faces share an edge with it
+  double area = 0.0;
+  glm::ivec3 low{0};
+  glm::ivec3 high{0};
+
+  /// One copy stays, unless the surface is whole without any and has no place for one: a membrane
+  /// inside it, or a sliver on it.
+  [[nodiscard]] bool keepsOne() const {
+    if (bordersIfKept <= bordersIfDropped) return true;
+    const bool membrane = freeEdges == 0 && bordersIfDropped == 0;
+    const glm::ivec3 extent = high - low;
+    const bool speck = area < kSpeckWidth * std::max({extent.x, extent.y, extent.z});
+    return !membrane && !((twoSided || attached) && speck);
+  }
+};
+
+/// Decides for each cluster whether one copy of its faces stays or none.
+void settleDoubtful(
     std::span<const glm::ivec3> positions,
     std::span<const glm::uvec3> triangles,
     std::vector<Fate>& fates) {
@@ -103,42 +135,46 @@ void settleTwoSided(
   }
   std::vector<std::uint8_t> seen(triangles.size(), 0);
   std::vector<std::uint32_t> visitedBy(groups.size(), kNone);
-  std::vector<FaceId> cluster;
   for (FaceId seed = 0; seed < triangles.size(); ++seed) {
-    if (fates[seed] != Fate::kTwoSided || seen[seed] != 0) continue;
-    cluster.assign(1, seed);
+    if (!isDoubtful(fates[seed]) || seen[seed] != 0) continue;
+    Cluster cluster;
+    cluster.faces.push_back(seed);
     seen[seed] = 1;
-    std::int64_t bordersIfKept = 0;
-    std::int64_t bordersIfDropped = 0;
-    glm::ivec3 low = positions[triangles[seed].x];
-    glm::ivec3 high = low;
-    for (std::size_t done = 0; done < cluster.size(); ++done) {
-      const FaceId face = cluster[done];
+    cluster.low = cluster.high = positions[triangles[seed].x];
+    for (std::size_t done = 0; done < cluster.faces.size(); ++done) {
+      const FaceId face = cluster.faces[done];
+      const glm::uvec3& t = triangles[face];
+      cluster.twoSided = cluster.twoSided && fates[face] == Fate::kTwoSided;
+      cluster.area += 0.5 * glm::length(glm::cross(
+                                glm::dvec3(positions[t.y] - positions[t.x]),
+                                glm::dvec3(positions[t.z] - positions[t.x])));
       for (int k = 0; k < 3; ++k) {
-        low = glm::min(low, positions[triangles[face][k]]);
-        high = glm::max(high, positions[triangles[face][k]]);
+        cluster.low = glm::min(cluster.low, positions[t[k]]);
+        cluster.high = glm::max(cluster.high, positions[t[k]]);
         const std::uint32_t group = groupOf[3 * face + static_cast<std::uint32_t>(k)];
         if (visitedBy[group] == seed) continue;
         visitedBy[group] = seed;
-        std::int64_t others = 0;
+        std::uint64_t others = 0;
         for (const HalfEdgeId h : groups[group]) {
           const FaceId neighbor = h / 3;
-          if (fates[neighbor] != Fate::kTwoSided) {
+          if (!isDoubtful(fates[neighbor])) {
             ++others;
           } else if (seen[neighbor] == 0) {
             seen[neighbor] = 1;
-            cluster.push_back(neighbor);
+            cluster.faces.push_back(neighbor);
           }
         }
-        bordersIfKept += static_cast<std::int64_t>(groups[group].size()) % 2;
-        bordersIfDropped += others % 2;
+        cluster.attached = cluster.attached || others > 0;
+        const bool odd = groups[group].size() % 2 == 1;
+        cluster.bordersIfKept += odd ? 1 : 0;
+        cluster.freeEdges += odd && others == 0 ? 1 : 0;
+        cluster.bordersIfDropped += others % 2;
       }
     }
-    const glm::ivec3 extent = high - low;
-    const bool speck = std::max({extent.x, extent.y, extent.z}) < kSpeck;
-    const bool keep = bordersIfKept < bordersIfDropped || !speck;
-    for (const FaceId face : cluster)
-      fates[face] = keep ? Fate::kKeep : Fate::kDrop;
+    // Clusters share no edge: a fate settled here is not looked at again.
+    const Fate fate = cluster.keepsOne() ? Fate::kKeep : Fate::kDrop;
+    for (const FaceId face : cluster.faces)
+      fates[face] = fate;
   }
 }
 
@@ -150,8 +186,8 @@ std::uint64_t dropDuplicates(
   const std::size_t before = triangles.size();
   std::vector<Fate> fates = markCopies(static_cast<std::uint32_t>(positions.size()), triangles);
   erase(triangles, fates);
-  if (std::find(fates.begin(), fates.end(), Fate::kTwoSided) != fates.end()) {
-    settleTwoSided(positions, triangles, fates);
+  if (std::any_of(fates.begin(), fates.end(), isDoubtful)) {
+    settleDoubtful(positions, triangles, fates);
     erase(triangles, fates);
   }
   return before - triangles.size();

@@ -63,8 +63,12 @@ std::vector<std::uint8_t> orientPatches(
 
 /// Pairs the half-edges of an edge with three or more faces. Around the directed edge a → b, a face
 /// that runs along it has its inside clockwise, one that runs against it counter-clockwise; so in
-/// counter-clockwise order "against" opens a wedge of solid and "along" closes it: brackets.
+/// counter-clockwise order "against" opens a wedge of solid and "along" closes it: brackets. For
+/// wedges of void it is the other way round.
+enum class Wedge { kSolid, kVoid };
+
 void pairAroundEdge(
+    Wedge wedge,
     std::span<const glm::ivec3> positions,
     std::span<const glm::uvec3> triangles,
     std::span<const HalfEdgeId> group,
@@ -94,7 +98,10 @@ void pairAroundEdge(
   for (const HalfEdgeId h : group) {
     const glm::dvec3 side = glm::cross(axis, apex(h));
     const double sine = glm::dot(axis, glm::cross(reference, side)) / glm::length(axis);
-    spokes.push_back({std::atan2(sine, glm::dot(reference, side)), h, originOf(triangles, h) != a});
+    spokes.push_back(
+        {std::atan2(sine, glm::dot(reference, side)),
+         h,
+         (originOf(triangles, h) != a) == (wedge == Wedge::kSolid)});
   }
   std::sort(spokes.begin(), spokes.end(), [](const Spoke& x, const Spoke& y) {
     return x.angle != y.angle ? x.angle < y.angle : x.halfEdge < y.halfEdge;
@@ -154,11 +161,10 @@ Fans separateFans(
   return fans;
 }
 
-/// After separation: two fans that a wedge joined may still put two faces on one side of an edge.
-/// Such an edge is cut open entirely, which always parts them: each face that is on a border at a
-/// vertex begins a fan of its own. Returns whether any edge was cut.
-bool cutCrowdedEdges(const EdgeGroups& groups, const Fans& fans, std::vector<HalfEdgeId>& twins) {
-  bool cut = false;
+/// After separation: the edges that still have two faces on one side, because both their ends are
+/// joined round about.
+std::vector<std::uint32_t> crowdedEdges(const EdgeGroups& groups, const Fans& fans) {
+  std::vector<std::uint32_t> crowded;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> directed;
   for (std::uint32_t g = 0; g < groups.size(); ++g) {
     const auto group = groups[g];
@@ -167,12 +173,10 @@ bool cutCrowdedEdges(const EdgeGroups& groups, const Fans& fans, std::vector<Hal
     for (const HalfEdgeId h : group)
       directed.emplace_back(fans.origins[h], fans.origins[next(h)]);
     std::sort(directed.begin(), directed.end());
-    if (std::adjacent_find(directed.begin(), directed.end()) == directed.end()) continue;
-    for (const HalfEdgeId h : group)
-      twins[h] = kNone;
-    cut = true;
+    if (std::adjacent_find(directed.begin(), directed.end()) != directed.end())
+      crowded.push_back(g);
   }
-  return cut;
+  return crowded;
 }
 
 /// Links border half-edges that ended up as the two sides of one edge: a fan cut open and closed on
@@ -210,7 +214,7 @@ Manifold makeManifold(std::vector<glm::ivec3> positions, std::vector<glm::uvec3>
   for (std::uint32_t g = 0; g < groups.size(); ++g) {
     const auto group = groups[g];
     if (group.size() > 2) {
-      pairAroundEdge(positions, triangles, group, mesh.twins);
+      pairAroundEdge(Wedge::kSolid, positions, triangles, group, mesh.twins);
     } else if (
         group.size() == 2 && originOf(triangles, group[0]) != originOf(triangles, group[1])) {
       mesh.twins[group[0]] = group[1];
@@ -218,8 +222,25 @@ Manifold makeManifold(std::vector<glm::ivec3> positions, std::vector<glm::uvec3>
     }  // else a border, or where a one-sided surface was cut open
   }
   Fans fans = separateFans(vertexCount, triangles, mesh.twins);
-  if (cutCrowdedEdges(groups, fans, mesh.twins))
+  // A solid that touches itself along one edge stays joined at both its ends. Joining its faces
+  // across the void instead parts the ends and keeps the surface closed.
+  if (const auto crowded = crowdedEdges(groups, fans); !crowded.empty()) {
+    for (const std::uint32_t g : crowded) {
+      for (const HalfEdgeId h : groups[g])
+        mesh.twins[h] = kNone;
+      pairAroundEdge(Wedge::kVoid, positions, triangles, groups[g], mesh.twins);
+    }
     fans = separateFans(vertexCount, triangles, mesh.twins);
+  }
+  // What is crowded even so is cut open. That always ends it: of faces on one side of the edge each
+  // now begins a fan of its own, and cutting never joins fans elsewhere.
+  if (const auto crowded = crowdedEdges(groups, fans); !crowded.empty()) {
+    for (const std::uint32_t g : crowded) {
+      for (const HalfEdgeId h : groups[g])
+        mesh.twins[h] = kNone;
+    }
+    fans = separateFans(vertexCount, triangles, mesh.twins);
+  }
   closeSeams(groups, fans, mesh.twins);
 
   mesh.splitVertices = fans.copyOf.size();

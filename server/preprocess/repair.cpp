@@ -19,7 +19,7 @@ struct InputShape {
   bool closed = false;
 };
 
-/// Pieces connected over shared edges, and whether every edge has two faces. In formats that store
+/// Pieces connected over shared edges, and whether no edge has only one face. In formats that store
 /// a vertex once for each face or smooth group, equal positions are taken as one vertex.
 InputShape measureInput(const ImportedMesh& input) {
   const auto polygons = static_cast<std::uint32_t>(input.polygonBegin.size() - 1);
@@ -81,7 +81,7 @@ InputShape measureInput(const ImportedMesh& input) {
       parent[find(sides[last].polygon)] = find(sides[first].polygon);
       ++last;
     }
-    shape.closed = shape.closed && last - first == 2;
+    shape.closed = shape.closed && last - first > 1;
     first = last;
   }
   for (std::uint32_t p = 0; p < polygons; ++p)
