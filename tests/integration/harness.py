@@ -1,0 +1,346 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs Limn's real programs against one another, over real sockets and files. Standard library only.
+
+The environment: LIMN_BIN, the folder of the programs; LIMN_MODELS, a folder of real meshes (optional).
+"""
+
+import collections
+import contextlib
+import itertools
+import json
+import math
+import os
+import pathlib
+import re
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+
+BIN = pathlib.Path(os.environ.get("LIMN_BIN", "build/dev/bin"))
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+DEADLINE_S = 120  # for anything: a hang is a failure, not a wait
+
+Mesh = collections.namedtuple("Mesh", "positions faces")  # grid triples, index triples
+
+
+def models():
+    """The folder of real meshes, or None. An empty LIMN_MODELS means none."""
+    named = os.environ.get("LIMN_MODELS")
+    folder = pathlib.Path(named) if named else REPOSITORY.parent / "shared" / "models"
+    return folder if named != "" and folder.is_dir() else None
+
+
+# ---- Meshes ----------------------------------------------------------------------------------------------------------
+
+
+def torus(rings, sides, bump=0.0):
+    vertices, faces = [], []
+    for i, j in itertools.product(range(rings), range(sides)):
+        a, b = 2 * math.pi * i / rings, 2 * math.pi * j / sides
+        r = 0.4 * (1 + bump * math.sin(7 * a) * math.cos(5 * b))
+        vertices.append(((1 + r * math.cos(b)) * math.cos(a), (1 + r * math.cos(b)) * math.sin(a), r * math.sin(b)))
+        here, right = i * sides + j, (i + 1) % rings * sides + j
+        up, across = i * sides + (j + 1) % sides, (i + 1) % rings * sides + (j + 1) % sides
+        faces += [(here, right, across), (here, across, up)]
+    return vertices, faces
+
+
+def hills(columns, rows):
+    """A height field: open, one border."""
+    vertices = [(x / columns, y / rows, 0.1 * math.sin(9 * x / columns) * math.cos(7 * y / rows))
+                for y in range(rows + 1) for x in range(columns + 1)]
+    faces = []
+    for y, x in itertools.product(range(rows), range(columns)):
+        a = y * (columns + 1) + x
+        faces += [(a, a + 1, a + columns + 2), (a, a + columns + 2, a + columns + 1)]
+    return vertices, faces
+
+
+def pair():
+    """Two closed components."""
+    vertices, faces = torus(24, 16)
+    moved = [(x + 3, y + 0.5, z) for x, y, z in vertices]
+    return vertices + moved, faces + [tuple(i + len(vertices) for i in f) for f in faces]
+
+
+def write_obj(path, shape):
+    vertices, faces = shape
+    with open(path, "w") as out:
+        out.writelines("v %.9g %.9g %.9g\n" % v for v in vertices)
+        out.writelines("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces)
+    return path
+
+
+PLY_TYPES = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f", "double": "d",
+             "int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I", "float32": "f",
+             "float64": "d"}
+
+
+def read_ply(path):
+    """A mesh as --dump-mesh writes it: positions are the grid's integers qx, qy, qz."""
+    data = pathlib.Path(path).read_bytes()
+    end = data.index(b"end_header") + len(b"end_header")
+    header, body = data[:end].decode().split("\n"), data[data.index(b"\n", end) + 1:]
+    binary = "format binary_little_endian 1.0" in header
+    elements = []
+    for line in header:
+        words = line.split()
+        if words[:1] == ["element"]:
+            elements.append((words[1], int(words[2]), []))
+        elif words[:1] == ["property"]:
+            elements[-1][2].append(words[1:])
+    positions, faces = [], []
+    tokens, offset = (iter(body.split()), 0)
+    for name, count, properties in elements:
+        if name == "vertex":
+            where = [p[-1] for p in properties]
+            q = [where.index(axis) for axis in ("qx", "qy", "qz")]
+            if binary:
+                record = struct.Struct("<" + "".join(PLY_TYPES[p[0]] for p in properties))
+                rows = record.iter_unpack(body[offset:offset + count * record.size])
+                offset += count * record.size
+            else:
+                rows = ([float(next(tokens)) for _ in properties] for _ in range(count))
+            positions = [tuple(int(row[i]) for i in q) for row in rows]
+        elif name == "face":
+            for _ in range(count):
+                if binary:
+                    length_type, index_type = PLY_TYPES[properties[0][1]], PLY_TYPES[properties[0][2]]
+                    (length,) = struct.unpack_from("<" + length_type, body, offset)
+                    offset += struct.calcsize("<" + length_type)
+                    faces.append(struct.unpack_from("<%d%s" % (length, index_type), body, offset))
+                    offset += struct.calcsize("<%d%s" % (length, index_type))
+                else:
+                    faces.append(tuple(int(next(tokens)) for _ in range(int(next(tokens)))))
+    return Mesh(positions, faces)
+
+
+def canonical(mesh):
+    """The mesh up to numbering: how often each oriented triangle of positions occurs. Vertices that share a place (split
+    for manifoldness) cannot be told apart, nor need they be."""
+    counts = collections.Counter()
+    for face in mesh.faces:
+        corners = [mesh.positions[i] for i in face]
+        first = corners.index(min(corners))
+        counts[tuple(corners[first:] + corners[:first])] += 1
+    return counts
+
+
+def manifold_fault(mesh):
+    """None, or what is wrong: an oriented manifold uses each directed edge once and has one fan of faces a vertex."""
+    outgoing = collections.defaultdict(dict)  # vertex -> {next corner: previous corner}
+    for face in mesh.faces:
+        if len(set(face)) != 3 or max(face) >= len(mesh.positions):
+            return "face %s" % (face,)
+        for a, b, c in (face, face[1:] + face[:1], face[2:] + face[:2]):
+            if b in outgoing[a]:
+                return "edge %d-%d has two faces of one direction" % (a, b)
+            outgoing[a][b] = c
+    for vertex, fan in outgoing.items():
+        starts = set(fan) - set(fan.values())
+        if len(starts) > 1:
+            return "vertex %d has %d fans" % (vertex, len(starts))
+        first = next(iter(starts or fan))
+        corner, steps = fan[first], 1
+        while corner in fan and corner != first:
+            corner, steps = fan[corner], steps + 1
+        if steps != len(fan):
+            return "vertex %d has more than one fan" % vertex
+    return None
+
+
+# ---- Programs --------------------------------------------------------------------------------------------------------
+
+
+def run(program, *arguments, expect=0):
+    """Runs a program to its end; its standard output. A crash (death by signal) always fails."""
+    command = [str(BIN / program), *map(str, arguments)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=DEADLINE_S,
+                          errors="replace")
+    if expect is not None and done.returncode != expect:
+        raise AssertionError("%s\n  exit status %d, expected %d\n%s%s" % (
+            " ".join(command), done.returncode, expect, done.stdout[-2000:], done.stderr[-4000:]))
+    if done.returncode < 0:
+        raise AssertionError("%s died of signal %d\n%s" % (" ".join(command), -done.returncode, done.stderr[-4000:]))
+    return done.stdout
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Server:
+    """A limn-server process; `port` survives restarts."""
+
+    def __init__(self, store, *arguments):
+        self.store, self.arguments, self.port = store, arguments, free_port()
+        self.process, self.log = None, ""
+
+    @property
+    def url(self):
+        return "ws://127.0.0.1:%d" % self.port
+
+    def __enter__(self):
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        if self.process and self.process.poll() is None:
+            self.process.kill()
+        if self.process:
+            self.process.wait()
+            self.process.stdout.close()
+
+    def start(self):
+        command = [str(BIN / "limn-server"), "--store", str(self.store), "--listen", "127.0.0.1:%d" % self.port,
+                   "--metrics-listen", "127.0.0.1:%d" % free_port(), *map(str, self.arguments)]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                        errors="replace")
+        ready = threading.Event()
+        lines = []
+
+        def read(stream):
+            for line in stream:
+                lines.append(line)
+                if "listening on" in line:
+                    ready.set()
+            ready.set()
+
+        threading.Thread(target=read, args=(self.process.stdout,), daemon=True).start()
+        if not ready.wait(DEADLINE_S) or self.process.poll() is not None:
+            raise AssertionError("limn-server did not start: " + "".join(lines))
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+
+    def terminate(self):
+        """SIGTERM; the exit status."""
+        self.process.send_signal(signal.SIGTERM)
+        return self.process.wait(DEADLINE_S)
+
+    def get(self, path):
+        with socket.create_connection(("127.0.0.1", self.port), timeout=10) as line:
+            line.sendall(b"GET %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n" % path.encode())
+            answer = b"".join(iter(lambda: line.recv(65536), b""))
+        head, _, body = answer.partition(b"\r\n\r\n")
+        if b"transfer-encoding: chunked" in head.lower():
+            parts = []
+            while body:
+                size, _, body = body.partition(b"\r\n")
+                length = int(size.split(b";")[0], 16)
+                parts.append(body[:length])
+                body = body[length + 2:]
+                if not length:
+                    break
+            body = b"".join(parts)
+        return int(head.split()[1]), body.decode()
+
+    def wait_for_model(self, name, state="ready"):
+        end = time.monotonic() + DEADLINE_S
+        while time.monotonic() < end:
+            for entry in json.loads(self.get("/models")[1]):
+                if entry["name"] == name and entry["state"] in (state, "failed"):
+                    assert entry["state"] == state, entry
+                    return entry
+            time.sleep(0.05)
+        raise AssertionError("%s did not become %s" % (name, state))
+
+
+class Proxy:
+    """Stands between a client and a server: counts and throttles what the server sends, and calls `at_bytes()` once
+    when `cut_after` bytes have passed, holding everything back until that returns."""
+
+    def __init__(self, port, bytes_per_second=2_000_000, cut_after=None, at_bytes=None):
+        self.target, self.rate, self.cut_after, self.at_bytes = port, bytes_per_second, cut_after, at_bytes
+        self.received = []  # bytes from the server, by connection
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self.listener.getsockname()[1]
+        self.closed = False
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    @property
+    def url(self):
+        return "ws://127.0.0.1:%d" % self.port
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.closed = True
+        self.listener.close()
+
+    def _accept(self):
+        while not self.closed:
+            try:
+                client, _ = self.listener.accept()
+            except OSError:
+                return
+            try:
+                server = socket.create_connection(("127.0.0.1", self.target), timeout=10)
+            except OSError:
+                client.close()  # the server is down; the client will try again
+                continue
+            index = len(self.received)
+            self.received.append(0)
+            threading.Thread(target=self._pump, args=(client, server, None), daemon=True).start()
+            threading.Thread(target=self._pump, args=(server, client, index), daemon=True).start()
+
+    def _pump(self, source, sink, index):
+        with contextlib.suppress(OSError):
+            while data := source.recv(16384 if index is not None else 65536):
+                if index is not None:
+                    self.received[index] += len(data)
+                    time.sleep(len(data) / self.rate)
+                    if self.cut_after is not None and sum(self.received) >= self.cut_after:
+                        self.cut_after = None
+                        self.at_bytes()
+                sink.sendall(data)
+        for side in (source, sink):
+            with contextlib.suppress(OSError):
+                side.shutdown(socket.SHUT_RDWR)
+            side.close()
+
+
+class Case(unittest.TestCase):
+    """A test with a scratch folder and a store in it."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="limn-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.store = self.folder / "store"
+
+    def prepare(self, source, name, *arguments):
+        """The report, and the prepared mesh as limn-prepare dumps it."""
+        dump = self.folder / (name + "-prepared.ply")
+        out = run("limn-prepare", source, "--store", self.store, "--name", name, "--dump-mesh", dump, "--json", *arguments)
+        report = json.loads(out)
+        return (report[0] if isinstance(report, list) else report), read_ply(dump)
+
+    def prepare_shape(self, name, shape):
+        return self.prepare(write_obj(self.folder / (name + ".obj"), shape), name)
+
+    def draw(self, url, name, *arguments, expect=0):
+        """limn-client render: its report, and its mesh."""
+        dump, report = self.folder / "client.ply", self.folder / "client.json"
+        run("limn-client", "render", "--server", url, "--model", name, "--size", "64x64", "--dump-mesh", dump, "--report",
+            report, *arguments, expect=expect)
+        return json.loads(report.read_text()), read_ply(dump)
+
+    def assert_same_mesh(self, got, wanted, label):
+        self.assertEqual(len(got.faces), len(wanted.faces), label)
+        self.assertEqual(len(got.positions), len(wanted.positions), label)
+        if canonical(got) != canonical(wanted):
+            self.fail("%s: the faces differ" % label)
+
+    def assert_manifold(self, mesh, label):
+        self.assertGreater(len(mesh.faces), 0, label)
+        self.assertIsNone(manifold_fault(mesh), label)
