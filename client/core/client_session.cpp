@@ -62,20 +62,46 @@ ClientSession::~ClientSession() {
   decoder_.join();
 }
 
-Result<ModelDescription> ClientSession::waitForModel() {
-  std::unique_lock lock(mutex_);
-  wakeCaller_.wait(lock, [this] { return model_ || failure_ || cancelled_; });
-  if (model_) return *model_;
-  if (failure_) return tl::unexpected(*failure_);
-  return fail(ErrorCode::kCancelled, "stopped on request");
+template <class Condition>
+bool ClientSession::waitFor(
+    std::unique_lock<std::mutex>& lock,
+    std::uint64_t timeoutMs,
+    Condition condition) {
+  return wakeCaller_.wait_for(lock, std::chrono::milliseconds(timeoutMs), condition);
 }
 
-Result<SessionOutcome> ClientSession::waitUntilDone() {
+Result<ModelDescription> ClientSession::waitForModel(std::uint64_t timeoutMs) {
   std::unique_lock lock(mutex_);
-  wakeCaller_.wait(lock, [this] { return outcome_ || failure_ || cancelled_; });
+  waitFor(lock, timeoutMs, [this] { return model_ || failure_; });
+  if (model_) return *model_;
+  if (failure_) return tl::unexpected(*failure_);
+  return fail(ErrorCode::kUnavailable, "the model's description has not arrived yet");
+}
+
+Result<SessionOutcome> ClientSession::waitUntilDone(std::uint64_t timeoutMs) {
+  std::unique_lock lock(mutex_);
+  waitFor(lock, timeoutMs, [this] { return outcome_ || failure_; });
   if (outcome_) return *outcome_;
   if (failure_) return tl::unexpected(*failure_);
-  return fail(ErrorCode::kCancelled, "stopped on request");
+  return fail(ErrorCode::kUnavailable, "the state asked for is not reached yet");
+}
+
+Result<SessionOutcome> ClientSession::waitForState(MeshState state, std::uint64_t timeoutMs) {
+  std::unique_lock lock(mutex_);
+  wantedState_ = state;
+  stateReached_.reset();
+  checkWanted_ = true;
+  wakeDecoder_.notify_one();
+  waitFor(lock, timeoutMs, [this] { return stateReached_ || failure_; });
+  wantedState_.reset();
+  if (stateReached_) return *stateReached_;
+  if (failure_) return tl::unexpected(*failure_);
+  return fail(ErrorCode::kUnavailable, "the state asked for is not reached yet");
+}
+
+bool ClientSession::isRunning() const {
+  const std::lock_guard lock(mutex_);
+  return !outcome_ && !failure_;
 }
 
 void ClientSession::setView(const View& view) {
@@ -94,12 +120,6 @@ ClientSession::Progress ClientSession::progress() const {
   return progress_;
 }
 
-void ClientSession::cancel() {
-  const std::lock_guard lock(mutex_);
-  cancelled_ = true;
-  wakeCaller_.notify_all();
-}
-
 std::uint64_t ClientSession::nowMs() const {
   using namespace std::chrono;
   return static_cast<std::uint64_t>(
@@ -115,7 +135,9 @@ void ClientSession::decodeLoop() {
     std::optional<View> view;
     {
       std::unique_lock lock(mutex_);
-      const auto ready = [this] { return stopping_ || !events_.empty() || newView_; };
+      const auto ready = [this] {
+        return stopping_ || !events_.empty() || newView_ || checkWanted_;
+      };
       if (!ready()) {
         // Idle: what was decoded so far is acknowledged before sleeping.
         lock.unlock();
@@ -134,6 +156,7 @@ void ClientSession::decodeLoop() {
       }
       if (stopping_) break;
       std::swap(view, newView_);
+      checkWanted_ = false;
       if (!events_.empty()) {
         event = std::move(events_.front());
         events_.pop_front();
@@ -187,13 +210,11 @@ void ClientSession::serveConnection(std::uint64_t) {
 void ClientSession::publish(std::uint64_t now) {
   const StreamDecoder& decoder = machine_.decoder();
   const bool done = machine_.phase() == SessionMachine::Phase::kDone;
-  std::shared_ptr<const MeshSnapshot> fresh;
+  bool wanted = false;
+  bool changed = false;
   {
     const std::lock_guard lock(mutex_);
     if (outcome_ || failure_) return;
-    const bool changed =
-        decoder.hasBase() && (!snapshot_ || snapshot_->revision != decoder.revision());
-    const bool due = done || !snapshot_ || now >= publishedAtMs_ + options_.publishEveryMs;
     progress_.state = machine_.state();
     progress_.splitsHeld = decoder.hasBase() ? decoder.mesh().splitsHeld() : 0;
     progress_.splitsTotal = decoder.hasBase() ? decoder.mesh().splitsTotal() : 0;
@@ -208,22 +229,30 @@ void ClientSession::publish(std::uint64_t now) {
       wakeCaller_.notify_all();
       return;
     }
-    if (!done && !(changed && due)) return;
+    // A view that the machine has not seen yet has reached nothing.
+    wanted = wantedState_ && !stateReached_ && !newView_ && machine_.state() >= *wantedState_;
+    changed = decoder.hasBase() && (!snapshot_ || snapshot_->revision != decoder.revision());
+    const bool due =
+        done || wanted || !snapshot_ || now >= publishedAtMs_ + options_.publishEveryMs;
+    if (!done && !wanted && !(changed && due)) return;
   }
-  // The copy is made outside the lock: readers never wait for it.
-  fresh = decoder.snapshot();
+  // Copied outside the lock, so that readers never wait for it; only this thread writes snapshot_.
+  auto fresh = changed ? decoder.snapshot() : snapshot_;
   const std::lock_guard lock(mutex_);
   snapshot_ = fresh;
   publishedAtMs_ = now;
-  if (done) {
-    outcome_ = SessionOutcome{
-        fresh,
-        machine_.state(),
-        machine_.bytes(),
-        machine_.times(),
-        machine_.reconnects()};
-    wakeCaller_.notify_all();
-  }
+  if (wanted) stateReached_ = outcomeNow(fresh);
+  if (done) outcome_ = outcomeNow(fresh);
+  if (wanted || done) wakeCaller_.notify_all();
+}
+
+SessionOutcome ClientSession::outcomeNow(std::shared_ptr<const MeshSnapshot> snapshot) const {
+  return {
+      std::move(snapshot),
+      machine_.state(),
+      machine_.bytes(),
+      machine_.times(),
+      machine_.reconnects()};
 }
 
 }  // namespace limn

@@ -39,11 +39,19 @@ class ClientSession {
   ClientSession(const ClientSession&) = delete;
   ClientSession& operator=(const ClientSession&) = delete;
 
-  /// Blocks until the model's description is there. Errors: why the session failed; kCancelled.
-  [[nodiscard]] Result<ModelDescription> waitForModel();
+  /// Blocks until the model's description is there, at most timeoutMs.
+  /// Errors: why the session failed; kUnavailable: not yet (and isRunning() is true).
+  [[nodiscard]] Result<ModelDescription> waitForModel(std::uint64_t timeoutMs);
 
-  /// Blocks until the stop condition holds. Errors: why the session failed; kCancelled.
-  [[nodiscard]] Result<SessionOutcome> waitUntilDone();
+  /// Blocks until the stop condition holds, at most timeoutMs. Errors: as above.
+  [[nodiscard]] Result<SessionOutcome> waitUntilDone(std::uint64_t timeoutMs);
+
+  /// Blocks until the newest view has that state or a later one, at most timeoutMs; for sessions
+  /// that go on. Errors: as above.
+  [[nodiscard]] Result<SessionOutcome> waitForState(MeshState state, std::uint64_t timeoutMs);
+
+  /// Neither failed nor done.
+  [[nodiscard]] bool isRunning() const;
 
   void setView(const View& view);
 
@@ -61,9 +69,6 @@ class ClientSession {
 
   [[nodiscard]] Progress progress() const;
 
-  /// Makes both waits return kCancelled, from any thread.
-  void cancel();
-
  private:
   struct Event {
     enum class Kind : std::uint8_t { kOpen, kMessage, kClosed } kind;
@@ -77,6 +82,9 @@ class ClientSession {
   void serveConnection(std::uint64_t nowMs);
   void handle(Event event, std::uint64_t nowMs);
   void publish(std::uint64_t nowMs);
+  template <class Condition>
+  bool waitFor(std::unique_lock<std::mutex>& lock, std::uint64_t timeoutMs, Condition condition);
+  [[nodiscard]] SessionOutcome outcomeNow(std::shared_ptr<const MeshSnapshot> snapshot) const;
   [[nodiscard]] std::uint64_t nowMs() const;
 
   // Constant after construction.
@@ -98,10 +106,12 @@ class ClientSession {
   std::size_t eventBytes_ = 0;
   std::optional<View> newView_;
   bool stopping_ = false;
-  bool cancelled_ = false;
+  bool checkWanted_ = false;
   std::optional<ModelDescription> model_;
   std::shared_ptr<const MeshSnapshot> snapshot_;
-  std::optional<SessionOutcome> outcome_;
+  std::optional<SessionOutcome> outcome_;       // of the stop condition
+  std::optional<MeshState> wantedState_;        // by waitForState()
+  std::optional<SessionOutcome> stateReached_;  // answers it
   std::optional<Error> failure_;
   Progress progress_;
 

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/render_command.h"
+#include "client/apps/render_options.h"
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+int complain(const limn::Error& error, int status) {
+  std::fprintf(stderr, "limn-client: %s\n", error.message.c_str());
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto commandLine = limn::parseCommandLine(std::vector<std::string>(argv + 1, argv + argc));
+  if (!commandLine) return complain(commandLine.error(), kWrongUsage);
+  if (!commandLine->render) {
+    std::fputs(commandLine->print.c_str(), stdout);
+    return 0;
+  }
+  const auto done = limn::runRender(*commandLine->render);
+  return done ? 0 : complain(done.error(), kFailed);
+}

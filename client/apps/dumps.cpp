@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/dumps.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+namespace limn {
+namespace {
+
+using nlohmann::json;
+
+template <class T>
+void appendLittleEndian(std::string& out, T value) {
+  char bytes[sizeof(T)];
+  std::memcpy(bytes, &value, sizeof(T));
+  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes, bytes + sizeof(T));
+  out.append(bytes, sizeof(T));
+}
+
+const char* kindName(LineKind kind) {
+  switch (kind) {
+    case LineKind::kSilhouette:
+      return "silhouette";
+    case LineKind::kCrease:
+      return "crease";
+    case LineKind::kBorder:
+      return "border";
+    case LineKind::kSeam:
+      return "seam";
+  }
+  return "silhouette";
+}
+
+json vectorJson(const glm::dvec3& v) {
+  return json::array({v.x, v.y, v.z});
+}
+
+json cameraJson(const Camera& camera, const Viewport& viewport) {
+  const glm::dmat4 clipFromWorld = camera.clipFromWorld(viewport.aspect());
+  json matrix = json::array();
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column)
+      matrix.push_back(clipFromWorld[column][row]);
+  }
+  return {
+      {"eye", vectorJson(camera.eye)},
+      {"target", vectorJson(camera.target)},
+      {"up", vectorJson(camera.up)},
+      {"fov", camera.fovDegrees},
+      {"ortho", camera.orthographic},
+      {"size", {viewport.width, viewport.height}},
+      {"view_projection", matrix}};
+}
+
+}  // namespace
+
+std::string meshPly(const MeshSnapshot& snapshot) {
+  const auto positions = snapshot.mesh.positions();
+  const auto triangles = snapshot.mesh.mesh().triangles();
+  std::string ply =
+      "ply\nformat binary_little_endian 1.0\ncomment limn-client mesh; qx qy qz: grid of the "
+      "model\n"
+      "element vertex " +
+      std::to_string(positions.size()) +
+      "\nproperty double x\nproperty double y\nproperty double z\n"
+      "property int qx\nproperty int qy\nproperty int qz\n"
+      "element face " +
+      std::to_string(triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  ply.reserve(ply.size() + 36 * positions.size() + 13 * triangles.size());
+  for (const glm::ivec3& p : positions) {
+    const glm::dvec3 model = snapshot.model.grid.toModel(p);
+    for (int i = 0; i < 3; ++i)
+      appendLittleEndian<double>(ply, model[i]);
+    for (int i = 0; i < 3; ++i)
+      appendLittleEndian<std::int32_t>(ply, p[i]);
+  }
+  for (const glm::uvec3& t : triangles) {
+    ply.push_back(3);
+    for (int i = 0; i < 3; ++i) {
+      appendLittleEndian<std::int32_t>(ply, static_cast<std::int32_t>(t[i]));
+    }
+  }
+  return ply;
+}
+
+std::string linesJson(const LineDump& dump) {
+  const Grid& grid = dump.snapshot.model.grid;
+  const HalfEdgeMesh& mesh = dump.snapshot.mesh.mesh();
+  json lines = json::array();
+  for (const PolylineSet::Line& line : dump.lines.lines) {
+    json points = json::array();
+    json visible = json::array();
+    json edges = json::array();
+    for (std::uint32_t i = line.begin; i < line.end; ++i) {
+      points.push_back(vectorJson(grid.origin + grid.step * glm::dvec3(dump.lines.points[i])));
+    }
+    bool alongEdges = true;
+    for (std::uint32_t i = line.begin; i < line.begin + line.segmentCount(); ++i) {
+      visible.push_back(dump.visible[i] != 0 ? 1 : 0);
+      const HalfEdgeId h = dump.lines.halfEdges[i];
+      alongEdges = alongEdges && h != kNone;
+      if (alongEdges) edges.push_back({mesh.origin(h), mesh.target(h)});
+    }
+    json entry = {
+        {"kind", kindName(line.kind)},
+        {"closed", line.closed},
+        {"points", std::move(points)},
+        {"visible", std::move(visible)}};
+    if (alongEdges) entry["edges"] = std::move(edges);
+    lines.push_back(std::move(entry));
+  }
+  const json root = {
+      {"camera", cameraJson(dump.camera, dump.viewport)},
+      {"lines", std::move(lines)}};
+  return root.dump() + "\n";
+}
+
+}  // namespace limn

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/core/snapshot.h"
+#include "client/stroke/polyline.h"
+
+#include "shared/core/camera.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace limn {
+
+/// The client's mesh as binary little-endian PLY: vertices in slot order with double x, y, z (model
+/// units) and int qx, qy, qz (grid), faces as uchar-counted lists of int.
+[[nodiscard]] std::string meshPly(const MeshSnapshot& snapshot);
+
+struct LineDump {
+  const MeshSnapshot& snapshot;
+  const PolylineSet& lines;
+  std::span<const std::uint8_t> visible;  // one a point, see segmentVisibility()
+  const Camera& camera;
+  Viewport viewport;
+};
+
+/// The lines as JSON, model units; see commands.md for its shape. Segments along mesh edges name
+/// them by their vertices' indices in meshPly().
+[[nodiscard]] std::string linesJson(const LineDump& dump);
+
+}  // namespace limn

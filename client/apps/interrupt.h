@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace limn {
+
+/// From now on SIGINT and SIGTERM only set what interrupted() reports, so that temporary files are
+/// removed on the way out; a second one ends the program at once.
+void watchForInterrupts();
+[[nodiscard]] bool interrupted();
+
+}  // namespace limn

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/apps/render_options.h"
+#include "client/core/snapshot.h"
+#include "client/stroke/chain.h"
+#include "client/stroke/polyline.h"
+
+#include "shared/core/camera.h"
+#include "shared/silhouette/detector.h"
+#include "shared/silhouette/field.h"
+
+#include <memory>
+#include <optional>
+
+namespace limn {
+
+struct LineFinderOptions {
+  DetectorMethod detector = DetectorMethod::kCones;
+  SilhouetteKind silhouette = SilhouetteKind::kSmooth;
+  FeatureChoice features;
+};
+
+/// All lines of one snapshot from one view after another. Threads: one at a time.
+class LineFinder {
+ public:
+  LineFinder(std::shared_ptr<const MeshSnapshot> snapshot, const LineFinderOptions& options);
+
+  struct Lines {
+    PolylineSet lines;  // silhouettes first, then features
+    DetectionStats stats;
+    std::uint32_t loops = 0;  // closed silhouette lines
+    double detectMs = 0.0;
+    double chainMs = 0.0;  // silhouettes; features are chained once a mesh
+  };
+
+  [[nodiscard]] Lines find(const Camera& camera);
+
+  /// Share of brute force's silhouettes that the detector finds from here, 1 when there are none.
+  [[nodiscard]] double recallFrom(const Camera& camera);
+
+  [[nodiscard]] const MeshSnapshot& snapshot() const { return *snapshot_; }
+
+ private:
+  [[nodiscard]] SilhouetteView viewOf(const Camera& camera) const;
+
+  std::shared_ptr<const MeshSnapshot> snapshot_;
+  SilhouetteField field_;
+  std::unique_ptr<SilhouetteDetector> detector_;
+  SilhouetteChainer chainer_;
+  PolylineSet features_;
+};
+
+}  // namespace limn

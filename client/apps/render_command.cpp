@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/render_command.h"
+
+#include "client/apps/contour_check.h"
+#include "client/apps/dumps.h"
+#include "client/apps/interrupt.h"
+#include "client/apps/line_finder.h"
+#include "client/apps/output_file.h"
+#include "client/apps/progress_line.h"
+#include "client/apps/report.h"
+#include "client/apps/source.h"
+#include "client/core/client_session.h"
+#include "client/pose/camera_file.h"
+#include "client/pose/orbit_path.h"
+#include "client/render/assets.h"
+#include "client/render/image_io.h"
+#include "client/render/renderer.h"
+#include "client/stroke/visibility.h"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <utility>
+
+namespace limn {
+namespace {
+
+constexpr std::uint64_t kWaitSliceMs = 200;
+
+protocol::Goal goalOf(const StopCondition& until) {
+  if (until.kind != StopCondition::Kind::kState) return protocol::Goal::kSettled;
+  switch (until.state) {
+    case MeshState::kExact:
+      return protocol::Goal::kExact;
+    case MeshState::kComplete:
+      return protocol::Goal::kComplete;
+    default:
+      return protocol::Goal::kSettled;
+  }
+}
+
+/// One camera a frame.
+Result<CameraPath> cameras(const RenderCommandOptions& options, const ModelDescription& model) {
+  Camera first;
+  if (!options.cameraFile.empty()) {
+    auto camera = readCameraFile(options.cameraFile);
+    if (!camera) return tl::unexpected(camera.error());
+    first = *camera;
+    if (options.fovDegrees) first.fovDegrees = *options.fovDegrees;
+    first.orthographic = first.orthographic || options.orthographic;
+    fitDepthRange(model.sphere, first);
+    return CameraPath(options.frames, first);
+  }
+  const Orbit orbit = options.orbit.value_or(Orbit{});
+  const double fov = options.fovDegrees.value_or(Camera{}.fovDegrees);
+  const std::uint32_t turns = options.orbitPath ? options.frames : 1;
+  CameraPath path = orbitPath(model.sphere, orbit, fov, turns);
+  for (Camera& camera : path) {
+    camera.orthographic = options.orthographic;
+    fitDepthRange(model.sphere, camera);
+  }
+  if (!options.orbitPath) path.resize(options.frames, path.front());
+  return path;
+}
+
+View viewOf(const RenderCommandOptions& options, const StopCondition& until, const Camera& camera) {
+  View view;
+  view.camera = camera;
+  view.viewport = options.viewport;
+  view.errorPx = static_cast<float>(options.errorPx);
+  view.silhouette = options.silhouette == SilhouetteKind::kEdges ? protocol::Silhouette::kEdges
+                                                                 : protocol::Silhouette::kSmooth;
+  view.goal = goalOf(until);
+  return view;
+}
+
+/// Waits in slices, so that an interrupt is noticed and progress is shown.
+template <class Wait>
+auto watch(ClientSession& session, ProgressLine& progress, Wait wait) -> decltype(wait(0)) {
+  while (true) {
+    auto result = wait(kWaitSliceMs);
+    if (result || result.error().code != ErrorCode::kUnavailable || !session.isRunning()) {
+      progress.clear();
+      return result;
+    }
+    if (interrupted()) {
+      progress.clear();
+      return fail(ErrorCode::kCancelled, "stopped on request");
+    }
+    progress.show(session.progress());
+  }
+}
+
+/// Streams a whole asset from the beginning to its end.
+Result<SessionOutcome> loadWhole(const Source& source) {
+  ClientSession::Options options;
+  options.session.model = source.model;
+  options.session.stop.state = MeshState::kComplete;
+  ClientSession session(source.connect, options);
+  ProgressLine progress;
+  return watch(session, progress, [&](std::uint64_t ms) { return session.waitUntilDone(ms); });
+}
+
+/// The renderer, made when it is first needed.
+class Painter {
+ public:
+  explicit Painter(const RenderCommandOptions& options) : options_(options) {}
+
+  Result<Frame> draw(
+      const MeshSnapshot& snapshot,
+      const PolylineSet& lines,
+      const Camera& camera,
+      bool keepDepth) {
+    if (!renderer_) {
+      auto made = make();
+      if (!made) return tl::unexpected(made.error());
+    }
+    RenderOptions options;
+    options.viewport = options_.viewport;
+    options.draw = options_.draw;
+    options.style = options_.style;
+    options.widthPx = options_.widthPx;
+    options.hidden = options_.hidden;
+    options.keepDepth = keepDepth;
+    return renderer_->render(snapshot, lines, camera, options);
+  }
+
+  [[nodiscard]] std::optional<GlDescription> gl() const {
+    return renderer_ ? std::optional(renderer_->gl()) : std::nullopt;
+  }
+
+ private:
+  Result<void> make() {
+    auto assets = findAssets(options_.assets);
+    if (!assets) return tl::unexpected(assets.error());
+    auto context = createGlContext(options_.gl);
+    if (!context) return tl::unexpected(context.error());
+    auto renderer = Renderer::create(std::move(*context), std::move(*assets));
+    if (!renderer) return tl::unexpected(renderer.error());
+    renderer_ = std::move(*renderer);
+    return {};
+  }
+
+  const RenderCommandOptions& options_;
+  std::optional<Renderer> renderer_;
+};
+
+std::vector<std::uint8_t> visibilityOf(
+    const MeshSnapshot& snapshot,
+    const PolylineSet& lines,
+    const Camera& camera,
+    const Viewport& viewport,
+    const Frame& frame) {
+  const LineScene scene{
+      snapshot.mesh.mesh(),
+      snapshot.mesh.positions(),
+      snapshot.model.grid,
+      camera,
+      viewport};
+  return segmentVisibility(lines, scene, frame.depth);
+}
+
+LineFinderOptions lineOptions(const RenderCommandOptions& options) {
+  return {options.detector, options.silhouette, options.features};
+}
+
+Result<ContourError> checkAgainstReference(
+    const RenderCommandOptions& options,
+    const Camera& camera,
+    std::span<const glm::dvec2> ours,
+    Painter& painter) {
+  const auto source = openAssetSource(options.reference);
+  if (!source) return tl::unexpected(source.error().within("--reference"));
+  const auto whole = loadWhole(*source);
+  if (!whole) return tl::unexpected(whole.error().within("--reference"));
+  LineFinderOptions exact = lineOptions(options);
+  exact.detector = DetectorMethod::kBrute;
+  LineFinder finder(whole->snapshot, exact);
+  const auto found = finder.find(camera);
+  const auto frame = painter.draw(*whole->snapshot, found.lines, camera, true);
+  if (!frame) return tl::unexpected(frame.error());
+  const auto visible =
+      visibilityOf(*whole->snapshot, found.lines, camera, options.viewport, *frame);
+  const auto theirs = visibleSilhouettePixels(
+      found.lines,
+      visible,
+      whole->snapshot->model.grid,
+      camera,
+      options.viewport);
+  return compareContours(ours, theirs, options.viewport);
+}
+
+/// Draws every frame and writes every output.
+class Drawing {
+ public:
+  Drawing(const RenderCommandOptions& options, SessionOutcome outcome)
+      : options_(options),
+        painter_(options),
+        outcome_(std::move(outcome)) {}
+
+  /// Takes another state of the mesh before the next frame.
+  void refine(SessionOutcome outcome) {
+    if (outcome.snapshot != outcome_.snapshot) finder_.reset();
+    outcome_ = std::move(outcome);
+  }
+
+  Result<void> drawFrame(const Camera& camera, std::uint32_t index) {
+    if (!finder_) finder_.emplace(outcome_.snapshot, lineOptions(options_));
+    auto found = finder_->find(camera);
+    const bool last = index + 1 == options_.frames;
+    const bool needsDepth = last && (!options_.dumpLines.empty() || !options_.reference.empty());
+    auto frame = painter_.draw(*outcome_.snapshot, found.lines, camera, needsDepth);
+    if (!frame) return tl::unexpected(frame.error());
+    times_.push_back(
+        {found.detectMs,
+         found.chainMs,
+         frame->timings.strokeMs,
+         frame->timings.visibilityMs,
+         frame->timings.drawMs});
+    // Without a number in the path every frame is the same picture: the last one is kept.
+    if (!options_.out.empty() && (options_.orbitPath || last)) {
+      const auto path = framePath(options_.out.string(), index);
+      if (auto written = writePng(path, frame->image); !written) {
+        return tl::unexpected(written.error());
+      }
+    }
+    if (!last) return {};
+    stats_ = found.stats;
+    loops_ = found.loops;
+    return finish(camera, found, *frame);
+  }
+
+  Result<void> writeMeshAndReport() {
+    if (!options_.dumpMesh.empty()) {
+      if (auto ok = writeOutputFile(options_.dumpMesh, meshPly(*outcome_.snapshot)); !ok) return ok;
+    }
+    if (options_.report.empty()) return {};
+    RenderReport report;
+    report.outcome = &outcome_;
+    report.frames = times_;
+    report.detectorName = options_.detectorName;
+    report.stats = stats_;
+    report.loops = loops_;
+    report.recall = recall_;
+    report.contourError = contourError_;
+    report.gl = painter_.gl();
+    return writeOutputFile(options_.report, reportJson(report));
+  }
+
+ private:
+  Result<void> finish(const Camera& camera, const LineFinder::Lines& found, const Frame& frame) {
+    std::vector<std::uint8_t> visible;
+    if (!frame.depth.depth.empty()) {
+      visible = visibilityOf(*outcome_.snapshot, found.lines, camera, options_.viewport, frame);
+    }
+    if (!options_.dumpLines.empty()) {
+      const LineDump dump{*outcome_.snapshot, found.lines, visible, camera, options_.viewport};
+      if (auto ok = writeOutputFile(options_.dumpLines, linesJson(dump)); !ok) return ok;
+    }
+    if (!options_.check) return {};
+    recall_ = finder_->recallFrom(camera);
+    if (options_.reference.empty()) return {};
+    const auto ours = visibleSilhouettePixels(
+        found.lines,
+        visible,
+        outcome_.snapshot->model.grid,
+        camera,
+        options_.viewport);
+    auto error = checkAgainstReference(options_, camera, ours, painter_);
+    if (!error) return tl::unexpected(error.error());
+    contourError_ = *error;
+    return {};
+  }
+
+  const RenderCommandOptions& options_;
+  Painter painter_;
+  SessionOutcome outcome_;
+  std::optional<LineFinder> finder_;
+  std::vector<FrameTimes> times_;
+  DetectionStats stats_;
+  std::uint32_t loops_ = 0;
+  std::optional<double> recall_;
+  std::optional<ContourError> contourError_;
+};
+
+bool needsPicture(const RenderCommandOptions& options) {
+  return !options.out.empty() || !options.dumpLines.empty() || !options.report.empty();
+}
+
+}  // namespace
+
+Result<void> runRender(const RenderCommandOptions& options) {
+  watchForInterrupts();
+  auto source = openSource(options.source);
+  if (!source) return tl::unexpected(source.error());
+
+  StopCondition until;
+  until.state = source->isServer ? MeshState::kSettled : MeshState::kComplete;
+  if (options.until) until = *options.until;
+  // There is nobody to settle a view of files: they are read whole instead.
+  if (!source->isServer && until.kind == StopCondition::Kind::kState &&
+      until.state > MeshState::kBase) {
+    until.state = MeshState::kComplete;
+  }
+  // A moving camera asks for more and more, so its connection stays open.
+  const bool follows = source->isServer && options.orbitPath && options.frames > 1 &&
+                       until.kind == StopCondition::Kind::kState && until.state > MeshState::kBase;
+
+  ClientSession::Options sessionOptions;
+  sessionOptions.session.model = source->model;
+  sessionOptions.session.stop = until;
+  if (follows) sessionOptions.session.stop.kind = StopCondition::Kind::kNever;
+  ClientSession session(source->connect, sessionOptions);
+  ProgressLine progress;
+
+  const auto model =
+      watch(session, progress, [&](std::uint64_t ms) { return session.waitForModel(ms); });
+  if (!model) return tl::unexpected(model.error());
+  const auto path = cameras(options, *model);
+  if (!path) return tl::unexpected(path.error());
+  session.setView(viewOf(options, until, path->front()));
+
+  const auto reach = [&] {
+    return watch(session, progress, [&](std::uint64_t ms) {
+      return follows ? session.waitForState(until.state, ms) : session.waitUntilDone(ms);
+    });
+  };
+  auto outcome = reach();
+  if (!outcome) return tl::unexpected(outcome.error());
+
+  Drawing drawing(options, std::move(*outcome));
+  if (needsPicture(options)) {
+    for (std::uint32_t i = 0; i < options.frames; ++i) {
+      if (interrupted()) return fail(ErrorCode::kCancelled, "stopped on request");
+      const Camera& camera = (*path)[i];
+      if (follows && i > 0) {
+        session.setView(viewOf(options, until, camera));
+        auto next = reach();
+        if (!next) return tl::unexpected(next.error());
+        drawing.refine(std::move(*next));
+      }
+      if (auto drawn = drawing.drawFrame(camera, i); !drawn) return drawn;
+    }
+  }
+  return drawing.writeMeshAndReport();
+}
+
+}  // namespace limn

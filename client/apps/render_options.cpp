@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/render_options.h"
+
+#include "client/net/server_url.h"
+
+#include "protocol/limits.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <string_view>
+
+namespace limn {
+namespace {
+
+constexpr int kMaxSize = 8192;
+
+constexpr char kExamples[] = R"(
+Examples:
+  limn-client render --server ws://127.0.0.1:8600 --model dragon --out dragon.png
+  limn-client render --mesh bunny.ply --camera orbit:30,20,3 --out bunny.png --report bunny.json
+  limn-client render --asset store/assets/ID --until base --dump-mesh base.ply
+  limn-client render --mesh cow.obj --path orbit --frames 36 --out 'f%04d.png'
+)";
+
+tl::unexpected<Error> wrong(const std::string& message) {
+  return fail(ErrorCode::kInvalidArgument, message);
+}
+
+tl::unexpected<Error> later(const std::string& what) {
+  return fail(ErrorCode::kUnsupported, what + " is not in this release");
+}
+
+template <class Number>
+std::optional<Number> parseNumber(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+bool contains(std::initializer_list<std::string_view> list, std::string_view item) {
+  return std::find(list.begin(), list.end(), item) != list.end();
+}
+
+/// Flags as the command line has them, before they are understood.
+struct RawFlags {
+  std::string camera, size, until, draw = "strokes", detector = "exact", silhouette = "smooth";
+  std::string features = "crease,border,seam", hidden = "style", gl = "egl", path, brush = "none";
+  std::string assets, out;
+  std::optional<double> fov, width;
+};
+
+/// Flags of commands whose feature is not there yet: known, so that the answer is a clear one.
+constexpr std::array<const char*, 8> kLaterFlags = {
+    "--light",
+    "--svg",
+    "--hull-faces",
+    "--contours",
+    "--memory",
+    "--dump-hull",
+    "--dump-inner-hull",
+    "--plot"};
+
+Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& options) {
+  if (raw.draw == "shaded") {
+    options.draw = DrawMode::kShaded;
+  } else if (raw.draw != "strokes") {
+    const bool known = raw.draw == "clip" || raw.draw == "image-edges" ||
+                       raw.draw == "geometry-shader" || raw.draw.starts_with("image-precision:");
+    if (known) return later("--draw " + raw.draw);
+    return wrong("--draw " + raw.draw + " is unknown: write strokes or shaded");
+  }
+  options.detectorName = raw.detector;
+  if (raw.detector == "exact") {
+    options.detector = DetectorMethod::kCones;
+  } else if (const auto method = detectorFromName(raw.detector)) {
+    options.detector = *method;
+  } else if (contains({"random", "coherence-a", "coherence-b", "image"}, raw.detector)) {
+    return later("--detector " + raw.detector);
+  } else {
+    return wrong(
+        "--detector " + raw.detector + " is unknown: write exact, brute, cones or precomputed");
+  }
+  if (raw.silhouette == "edges") {
+    options.silhouette = SilhouetteKind::kEdges;
+  } else if (raw.silhouette != "smooth") {
+    return wrong("--silhouette " + raw.silhouette + " is unknown: write smooth or edges");
+  }
+  if (raw.brush != "none") {
+    if (contains({"charcoal", "lazy", "hand", "rough"}, raw.brush))
+      return later("--brush " + raw.brush);
+    return wrong("--brush " + raw.brush + " is unknown: write none");
+  }
+  const auto features = parseFeatures(raw.features);
+  if (!features) return tl::unexpected(features.error());
+  options.features = *features;
+  const auto hidden = parseHiddenLines(raw.hidden);
+  if (!hidden) return tl::unexpected(hidden.error());
+  options.hidden = *hidden;
+  const auto gl = parseGlBackend(raw.gl);
+  if (!gl) return tl::unexpected(gl.error());
+  options.gl = *gl;
+  if (raw.width && !(*raw.width > 0.0 && *raw.width <= 200.0)) {
+    return wrong("--width is a stroke's width in pixels, above 0 and up to 200");
+  }
+  options.widthPx = raw.width;
+  if (!raw.assets.empty()) options.assets = raw.assets;
+  return {};
+}
+
+Result<void> understandView(const RawFlags& raw, RenderCommandOptions& options) {
+  if (!raw.camera.empty() && !options.cameraFile.empty()) {
+    return wrong("give --camera or --camera-file, not both");
+  }
+  if (!raw.camera.empty()) {
+    const auto orbit = parseOrbit(raw.camera);
+    if (!orbit) return tl::unexpected(orbit.error());
+    options.orbit = *orbit;
+  }
+  if (raw.fov && !(*raw.fov >= 1.0 && *raw.fov <= 170.0)) {
+    return wrong("--fov is the vertical angle of view in degrees, 1 to 170");
+  }
+  options.fovDegrees = raw.fov;
+  if (!raw.size.empty()) {
+    const auto size = parseSize(raw.size);
+    if (!size) return tl::unexpected(size.error());
+    options.viewport = *size;
+  }
+  if (!raw.until.empty()) {
+    const auto until = parseUntil(raw.until);
+    if (!until) return tl::unexpected(until.error());
+    options.until = *until;
+  }
+  if (!(options.errorPx >= limits::kMinErrorPx && options.errorPx <= limits::kMaxErrorPx)) {
+    return wrong("--error-px is 0.1 to 64");
+  }
+  if (options.frames < 1 || options.frames > 100'000) return wrong("--frames is 1 to 100000");
+  if (!raw.path.empty()) {
+    if (raw.path != "orbit") return wrong("--path " + raw.path + " is unknown: write orbit");
+    if (!options.cameraFile.empty()) {
+      return wrong("--path orbit starts at --camera orbit:…, not at a --camera-file");
+    }
+    options.orbitPath = true;
+    if (!raw.out.empty() && options.frames > 1 && !hasFrameNumber(raw.out)) {
+      return wrong(
+          "--out needs a place for the frame's number: write for instance --out 'f%04d.png'");
+    }
+  }
+  options.out = raw.out;
+  return {};
+}
+
+Result<void> checkSource(const SourceOptions& source) {
+  const int sources = (source.serverUrl.empty() ? 0 : 1) + (source.assetDirectory.empty() ? 0 : 1) +
+                      (source.meshFile.empty() ? 0 : 1);
+  if (sources != 1) {
+    return wrong(
+        "give one source: --server URL --model NAME, or --asset DIRECTORY, or --mesh FILE");
+  }
+  if (source.serverUrl.empty()) {
+    if (!source.model.empty()) return wrong("--model goes with --server");
+    if (!source.tokenFile.empty()) return wrong("--token-file goes with --server");
+    if (!source.caFile.empty()) return wrong("--ca-file goes with --server");
+    return {};
+  }
+  if (const auto url = parseServerUrl(source.serverUrl); !url) return tl::unexpected(url.error());
+  if (source.model.empty()) return wrong("--server needs --model NAME");
+  if (!protocol::isValidModelName(source.model)) {
+    return wrong("--model is no name that a model can have");
+  }
+  return {};
+}
+
+void addRender(
+    CLI::App& app,
+    RenderCommandOptions& o,
+    RawFlags& raw,
+    std::vector<std::string>& asked) {
+  const auto path = [&app](const char* flag, std::filesystem::path& target, const char* help) {
+    return app.add_option(flag, target, help);
+  };
+  app.add_option("--server", o.source.serverUrl, "Server to stream from, ws://HOST:PORT")
+      ->group("Source (one of three)");
+  app.add_option("--model", o.source.model, "Name of the model on the server")
+      ->group("Source (one of three)");
+  path("--token-file", o.source.tokenFile, "File with the token that the server asks for")
+      ->group("Source (one of three)");
+  path("--ca-file", o.source.caFile, "Certificates (PEM) to trust for wss://")
+      ->group("Source (one of three)");
+  path("--asset", o.source.assetDirectory, "Directory of a prepared asset")
+      ->group("Source (one of three)");
+  path("--mesh", o.source.meshFile, "Mesh file, prepared into a temporary store")
+      ->group("Source (one of three)");
+  app.add_option("--quantization", o.source.quantizationBits, "Grid bits for --mesh")
+      ->check(CLI::Range(11, 18))
+      ->group("Source (one of three)");
+
+  app.add_option("--camera", raw.camera, "orbit:AZIMUTH,ELEVATION[,DISTANCE], degrees and radii");
+  path("--camera-file", o.cameraFile, R"(JSON {"eye","target","up","fov","ortho"})");
+  app.add_option("--fov", raw.fov, "Vertical angle of view, degrees (40)");
+  app.add_flag("--ortho", o.orthographic, "Orthographic, with the same extent at the target");
+  app.add_option("--size", raw.size, "Picture size (1024x1024)");
+  app.add_option(
+      "--until",
+      raw.until,
+      "base|settled|exact|complete|bytes:N|seconds:S (settled; files: complete)");
+  app.add_option("--error-px", o.errorPx, "Error bound of settled, pixels (1)");
+
+  app.add_option("--draw", raw.draw, "strokes|shaded");
+  app.add_option("--detector", raw.detector, "exact|brute|cones|precomputed");
+  app.add_option("--silhouette", raw.silhouette, "smooth|edges");
+  app.add_option("--features", raw.features, "crease,border,seam or none");
+  app.add_option("--style", o.style, "Texture set (pencil)");
+  app.add_option("--brush", raw.brush, "none");
+  app.add_option("--width", raw.width, "Stroke width, pixels");
+  app.add_option("--hidden", raw.hidden, "style|off|as-visible");
+  app.add_option("--gl", raw.gl, "egl|osmesa");
+  app.add_option("--assets", raw.assets, "Folder of texture sets");
+
+  app.add_option("--frames", o.frames, "Frames to draw; times are medians over them (1)");
+  app.add_option("--path", raw.path, "orbit: once around the model in --frames frames");
+  app.add_option("--out", raw.out, "Picture (PNG); with --path, a pattern like f%04d.png");
+  path("--report", o.report, "Report (JSON)");
+  path("--dump-mesh", o.dumpMesh, "The client's mesh (PLY)");
+  path("--dump-lines", o.dumpLines, "The lines, with visibility (JSON)");
+  app.add_flag("--check", o.check, "Measure recall against brute force, and contour errors");
+  path("--reference", o.reference, "Asset directory to compare contours with, for --check");
+
+  for (const char* flag : kLaterFlags) {
+    app.add_option_function<std::string>(
+           flag,
+           [flag, &asked](const std::string&) { asked.emplace_back(flag); })
+        ->group("");  // not in --help
+  }
+}
+
+}  // namespace
+
+Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) {
+  RenderCommandOptions options;
+  RawFlags raw;
+  std::vector<std::string> asked;
+
+  CLI::App app(
+      "Draws a mesh as stylised lines, streamed from a server or from a file.",
+      "limn-client");
+  app.footer(kExamples);
+  app.set_version_flag("--version", std::string("limn-client ") + LIMN_VERSION);
+  app.require_subcommand(1);
+  CLI::App* render = app.add_subcommand("render", "Draw a picture, write reports and dumps");
+  render->footer(kExamples);
+  addRender(*render, options, raw, asked);
+  CLI::App* view = app.add_subcommand("view", "Show a model in a window");
+  CLI::App* sweep = app.add_subcommand("sweep", "Compare detectors over a camera path");
+  for (CLI::App* notYet : {view, sweep})
+    notYet->allow_extras()->group("");
+
+  try {
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+    app.parse(reversed);
+  } catch (const CLI::Success& done) {  // --help, --version
+    std::ostringstream text;
+    std::ostringstream ignored;
+    app.exit(done, text, ignored);
+    return CommandLine{std::nullopt, text.str()};
+  } catch (const CLI::ParseError& error) {
+    std::string what = error.what();
+    std::replace(what.begin(), what.end(), '\n', ' ');
+    if (arguments.empty()) what = "say what to do, for instance render";
+    return wrong(what + "; limn-client render --help has the flags and examples");
+  }
+  if (view->parsed()) return later("limn-client view");
+  if (sweep->parsed()) return later("limn-client sweep");
+  if (!asked.empty()) return later(asked.front());
+
+  if (auto ok = checkSource(options.source); !ok) return tl::unexpected(ok.error());
+  if (auto ok = understandView(raw, options); !ok) return tl::unexpected(ok.error());
+  if (auto ok = understandDrawing(raw, options); !ok) return tl::unexpected(ok.error());
+  if (!options.reference.empty() && !options.check) return wrong("--reference goes with --check");
+  if (options.out.empty() && options.report.empty() && options.dumpMesh.empty() &&
+      options.dumpLines.empty()) {
+    return wrong("nothing to write: give --out, --report, --dump-mesh or --dump-lines");
+  }
+  return CommandLine{std::move(options), {}};
+}
+
+Result<StopCondition> parseUntil(const std::string& text) {
+  StopCondition until;
+  for (const MeshState state :
+       {MeshState::kBase, MeshState::kSettled, MeshState::kExact, MeshState::kComplete}) {
+    if (text != nameOf(state)) continue;
+    until.state = state;
+    return until;
+  }
+  const std::string_view view = text;
+  if (view.starts_with("bytes:")) {
+    if (const auto bytes = parseNumber<std::uint64_t>(view.substr(6)); bytes && *bytes > 0) {
+      until.kind = StopCondition::Kind::kBytes;
+      until.bytes = *bytes;
+      return until;
+    }
+  } else if (view.starts_with("seconds:")) {
+    const auto seconds = parseNumber<double>(view.substr(8));
+    if (seconds && *seconds > 0.0 && *seconds <= 1e6) {
+      until.kind = StopCondition::Kind::kSeconds;
+      until.seconds = *seconds;
+      return until;
+    }
+  }
+  return wrong(
+      "--until " + text +
+      " is unknown: write base, settled, exact, complete, bytes:N or seconds:S");
+}
+
+Result<Viewport> parseSize(const std::string& text) {
+  const std::size_t x = std::min(text.find('x'), text.size());
+  const auto width = parseNumber<int>(std::string_view(text).substr(0, x));
+  const auto height =
+      x < text.size() ? parseNumber<int>(std::string_view(text).substr(x + 1)) : std::nullopt;
+  if (!width || !height || *width < 1 || *height < 1 || *width > kMaxSize || *height > kMaxSize) {
+    return wrong("--size " + text + " is no size: write WIDTHxHEIGHT in pixels, each 1 to 8192");
+  }
+  return Viewport{*width, *height};
+}
+
+Result<FeatureChoice> parseFeatures(const std::string& text) {
+  FeatureChoice choice{false, false, false};
+  if (text == "none") return choice;
+  std::istringstream list(text);
+  std::string item;
+  int items = 0;
+  while (std::getline(list, item, ',')) {
+    ++items;
+    if (item == "crease") {
+      choice.crease = true;
+    } else if (item == "border") {
+      choice.border = true;
+    } else if (item == "seam") {
+      choice.seam = true;
+    } else {
+      items = 0;
+      break;
+    }
+  }
+  if (items == 0) {
+    return wrong(
+        "--features " + text + " is unknown: write crease,border,seam, some of them, or none");
+  }
+  return choice;
+}
+
+namespace {
+
+struct NumberPlace {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  std::size_t digits = 0;
+};
+
+/// Finds `%d` or `%0Nd`; the pattern comes from the command line, so it never reaches printf.
+std::optional<NumberPlace> findNumber(const std::string& pattern) {
+  for (std::size_t i = pattern.find('%'); i != std::string::npos; i = pattern.find('%', i + 1)) {
+    if (i + 1 < pattern.size() && pattern[i + 1] == 'd') return NumberPlace{i, i + 2, 0};
+    if (i + 3 < pattern.size() && pattern[i + 1] == '0' && pattern[i + 2] >= '1' &&
+        pattern[i + 2] <= '9' && pattern[i + 3] == 'd') {
+      return NumberPlace{i, i + 4, static_cast<std::size_t>(pattern[i + 2] - '0')};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool hasFrameNumber(const std::string& pattern) {
+  return findNumber(pattern).has_value();
+}
+
+std::string framePath(const std::string& pattern, std::uint32_t index) {
+  const auto place = findNumber(pattern);
+  if (!place) return pattern;
+  std::string number = std::to_string(index);
+  if (number.size() < place->digits) number.insert(0, place->digits - number.size(), '0');
+  return pattern.substr(0, place->begin) + number + pattern.substr(place->end);
+}
+
+}  // namespace limn

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/core/session_state.h"
+#include "client/pose/orbit.h"
+#include "client/render/gl_context.h"
+#include "client/render/renderer.h"
+
+#include "shared/core/camera.h"
+#include "shared/core/result.h"
+#include "shared/silhouette/detector.h"
+#include "shared/silhouette/field.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace limn {
+
+/// Where the model comes from: exactly one of the three.
+struct SourceOptions {
+  std::string serverUrl;
+  std::string model;
+  std::filesystem::path tokenFile;
+  std::filesystem::path caFile;
+  std::filesystem::path assetDirectory;
+  std::filesystem::path meshFile;
+  int quantizationBits = 14;  // of meshFile
+};
+
+/// Which feature lines are drawn.
+struct FeatureChoice {
+  bool crease = true;
+  bool border = true;
+  bool seam = true;
+};
+
+struct RenderCommandOptions {
+  SourceOptions source;
+
+  std::optional<Orbit> orbit;  // unset: cameraFile, or Orbit's defaults
+  std::filesystem::path cameraFile;
+  std::optional<double> fovDegrees;
+  bool orthographic = false;
+  Viewport viewport;
+
+  std::optional<StopCondition> until;  // unset: settled from a server, complete otherwise
+  double errorPx = 1.0;
+
+  DrawMode draw = DrawMode::kStrokes;
+  std::string detectorName = "exact";  // as reported
+  DetectorMethod detector = DetectorMethod::kCones;
+  SilhouetteKind silhouette = SilhouetteKind::kSmooth;
+  FeatureChoice features;
+  std::string style = "pencil";
+  std::optional<double> widthPx;
+  HiddenLines hidden = HiddenLines::kStyle;
+  GlBackend gl = GlBackend::kEgl;
+  std::optional<std::filesystem::path> assets;
+
+  std::uint32_t frames = 1;
+  bool orbitPath = false;
+
+  std::filesystem::path out;
+  std::filesystem::path report;
+  std::filesystem::path dumpMesh;
+  std::filesystem::path dumpLines;
+  bool check = false;
+  std::filesystem::path reference;  // an asset directory to compare contours with
+};
+
+/// What the command line asks for.
+struct CommandLine {
+  std::optional<RenderCommandOptions> render;
+  std::string print;  // help or version: goes to stdout, and that is all
+};
+
+/// Errors: kInvalidArgument and kUnsupported, in one line that says what to write instead.
+[[nodiscard]] Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments);
+
+/// Parses `base|settled|exact|complete|bytes:N|seconds:S`.
+[[nodiscard]] Result<StopCondition> parseUntil(const std::string& text);
+/// Parses `WIDTHxHEIGHT`, 1 to 8192 each.
+[[nodiscard]] Result<Viewport> parseSize(const std::string& text);
+/// Parses `crease,border,seam` in any choice, or `none`.
+[[nodiscard]] Result<FeatureChoice> parseFeatures(const std::string& text);
+/// The path of frame `index`: `%04d` (or `%d`) replaced by it. Without one: `pattern` itself.
+[[nodiscard]] std::string framePath(const std::string& pattern, std::uint32_t index);
+/// Whether a path has a place for the frame's number.
+[[nodiscard]] bool hasFrameNumber(const std::string& pattern);
+
+}  // namespace limn

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/source.h"
+
+#include "client/apps/child_process.h"
+#include "client/apps/interrupt.h"
+#include "client/apps/temporary_directory.h"
+#include "client/net/asset_connection.h"
+#include "client/net/asset_files.h"
+#include "client/net/lws_connection.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace limn {
+namespace {
+
+constexpr std::size_t kMaxTokenBytes = 4096;
+
+Result<std::string> readToken(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return fail(ErrorCode::kNotFound, "cannot open token file " + path.string());
+  std::string token(kMaxTokenBytes + 1, '\0');
+  in.read(token.data(), static_cast<std::streamsize>(token.size()));
+  token.resize(static_cast<std::size_t>(in.gcount()));
+  while (!token.empty() && (token.back() == '\n' || token.back() == '\r' || token.back() == ' ')) {
+    token.pop_back();
+  }
+  const bool odd = std::any_of(token.begin(), token.end(), [](char c) {
+    return static_cast<unsigned char>(c) <= ' ' || static_cast<unsigned char>(c) >= 0x7F;
+  });
+  if (token.empty() || token.size() > kMaxTokenBytes || odd) {
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "token file " + path.string() + " does not hold one token of printable characters");
+  }
+  return token;
+}
+
+Result<Source> openServerSource(const SourceOptions& options) {
+  LwsConnectionOptions connection;
+  auto url = parseServerUrl(options.serverUrl);
+  if (!url) return tl::unexpected(url.error());
+  connection.url = std::move(*url);
+  if (!options.tokenFile.empty()) {
+    auto token = readToken(options.tokenFile);
+    if (!token) return tl::unexpected(token.error());
+    connection.token = std::move(*token);
+  }
+  connection.caFile = options.caFile.string();
+  return Source{options.model, [connection] { return makeLwsConnection(connection); }, true};
+}
+
+/// The last line with something in it.
+std::string lastLine(const std::string& text) {
+  const std::size_t end = text.find_last_not_of(" \n\r\t");
+  if (end == std::string::npos) return {};
+  const std::size_t begin = text.find_last_of("\n\r", end);
+  return text.substr(
+      begin == std::string::npos ? 0 : begin + 1,
+      end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+}
+
+/// The id of the asset that `limn-prepare --json` says it made.
+Result<std::string> assetIdOf(const std::string& output) {
+  const auto report = nlohmann::json::parse(output, nullptr, false);
+  const auto* object = &report;
+  if (report.is_array() && !report.empty()) object = &report.front();
+  if (object->is_object() && object->contains("asset") && (*object)["asset"].is_string()) {
+    return (*object)["asset"].get<std::string>();
+  }
+  return fail(ErrorCode::kProtocol, "limn-prepare did not say which asset it made");
+}
+
+Result<Source> openMeshSource(const SourceOptions& options) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(options.meshFile, error)) {
+    return fail(ErrorCode::kNotFound, "there is no mesh file " + options.meshFile.string());
+  }
+  const auto store = TemporaryDirectory::create();
+  if (!store) return tl::unexpected(store.error());
+  const std::filesystem::path input = std::filesystem::absolute(options.meshFile, error);
+  const auto child = runChild(
+      {siblingProgram("limn-prepare"),
+       input.string(),
+       "--store",
+       (*store)->path().string(),
+       "--name",
+       "mesh",
+       "--quantization",
+       std::to_string(options.quantizationBits),
+       "--json"},
+      interrupted);
+  if (!child) return tl::unexpected(child.error());
+  if (child->exitCode != 0) {
+    std::string why = lastLine(child->complaint);
+    constexpr std::string_view kPrefix = "limn-prepare: ";
+    if (why.starts_with(kPrefix)) why.erase(0, kPrefix.size());
+    if (why.empty()) why = "limn-prepare ended with status " + std::to_string(child->exitCode);
+    return fail(ErrorCode::kCorrupt, why);
+  }
+  const auto id = assetIdOf(child->output);
+  if (!id) return tl::unexpected(id.error());
+  auto source = openAssetSource((*store)->path() / "assets" / *id);
+  return source;
+}
+
+}  // namespace
+
+Result<Source> openAssetSource(const std::filesystem::path& directory) {
+  auto files = readAssetFiles(directory);
+  if (!files) return tl::unexpected(files.error());
+  const auto shared = std::make_shared<const AssetFiles>(std::move(*files));
+  return Source{shared->name, [shared] { return makeAssetConnection(shared); }, false};
+}
+
+Result<Source> openSource(const SourceOptions& options) {
+  if (!options.serverUrl.empty()) return openServerSource(options);
+  if (!options.assetDirectory.empty()) return openAssetSource(options.assetDirectory);
+  return openMeshSource(options);
+}
+
+}  // namespace limn
