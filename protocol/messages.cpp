@@ -212,7 +212,9 @@ Result<Body> read(const wire::ModelInfo& m) {
   const auto asset = digest(view(m.asset()));
   if (!asset) return bad("ModelInfo.asset is not 32 bytes");
   info.asset = *asset;
-  if (!isValidModelName(info.name)) return bad("ModelInfo.name is no model name");
+  if (!info.name.empty() && !isValidModelName(info.name)) {
+    return bad("ModelInfo.name is no model name");
+  }
   if (!finite(info.gridOrigin) || !finite(info.center) || !std::isfinite(info.radius) ||
       !(info.radius >= 0.0)) {
     return bad("ModelInfo has a number that is not finite");

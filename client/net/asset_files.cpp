@@ -128,6 +128,18 @@ readSection(const json& manifest, const std::filesystem::path& directory, const 
   }
 }
 
+/// What the preparation called the model; informative.
+std::string nameIn(const json& manifest) {
+  const auto report = manifest.find("report");
+  if (report != manifest.end() && report->is_object()) {
+    const json name = report->value("name", json());
+    if (name.is_string() && protocol::isValidModelName(name.get<std::string>())) {
+      return name.get<std::string>();
+    }
+  }
+  return "asset";
+}
+
 }  // namespace
 
 Result<AssetFiles> readAssetFiles(const std::filesystem::path& directory) {
@@ -145,7 +157,7 @@ Result<AssetFiles> readAssetFiles(const std::filesystem::path& directory) {
   if (manifest->value("id", json()) != json(toHex(model->asset))) {
     return damaged(directory, "is described as another asset than it holds");
   }
-  files.name = std::string(model->name);
+  files.name = nameIn(*manifest);
   constexpr std::array kOptional = {"blocks", "seeds", "packets"};
   auto base = readSection(*manifest, directory, "base");
   if (!base) return tl::unexpected(base.error());

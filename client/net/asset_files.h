@@ -13,7 +13,7 @@ namespace limn {
 /// The wire messages of a prepared asset, in the order in which a client takes them. The format is
 /// described in server/store/FORMAT.md; this reads it without any code of the server.
 struct AssetFiles {
-  std::string name;                                // of the model, from its description
+  std::string name;                                // of the model, as the preparation had it
   std::vector<std::uint8_t> info;                  // ModelInfo
   std::vector<std::vector<std::uint8_t>> payload;  // Base, LevelBlocks, Seeds, Packets
 };
