@@ -157,7 +157,9 @@ std::size_t roundUp(std::size_t n, std::size_t unit) {
 
 }  // namespace
 
-BruteForceDetector::BruteForceDetector(const SilhouetteField& field) : field_(&field) {
+BruteForceDetector::BruteForceDetector(const SilhouetteField& field, const DetectorOptions& options)
+    : field_(&field),
+      useAvx2_(options.vectorized && silhouette::hasAvx2()) {
   const HalfEdgeMesh& mesh = field.mesh();
   const auto planes = field.planes();
   const std::size_t sites = roundUp(planes.size(), kLanes);
@@ -184,7 +186,7 @@ const SilhouetteResult& BruteForceDetector::detect(const SilhouetteView& view) {
   result_.edges.clear();
   result_.faces.clear();
 #if LIMN_SILHOUETTE_AVX2
-  if (silhouette::hasAvx2()) {
+  if (useAvx2_) {
     classifyAvx2(planes_, eye, front_.data());
     searchAvx2(field_->kind(), partners_, front_.data(), result_);
   } else

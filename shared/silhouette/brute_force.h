@@ -12,7 +12,7 @@ namespace limn {
 /// goes so that whatever claims to beat it has to.
 class BruteForceDetector final : public SilhouetteDetector {
  public:
-  explicit BruteForceDetector(const SilhouetteField& field);
+  explicit BruteForceDetector(const SilhouetteField& field, const DetectorOptions& options = {});
 
   [[nodiscard]] const SilhouetteResult& detect(const SilhouetteView& view) override;
 
@@ -22,6 +22,7 @@ class BruteForceDetector final : public SilhouetteDetector {
 
  private:
   const SilhouetteField* field_;
+  bool useAvx2_;
   std::array<std::vector<float>, 4> planes_;  // x, y, z, w of every site, padded to eights
   /// What a half-edge is compared with: kEdges, the face across it (its own on a border); kSmooth,
   /// its origin. Padded to eight faces.

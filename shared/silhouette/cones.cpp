@@ -7,6 +7,7 @@
 #include "shared/silhouette/cones.h"
 
 #include "shared/silhouette/cones_search.h"
+#include "shared/silhouette/simd.h"
 #include "shared/view/anchored_cone.h"
 
 #include <utility>
@@ -68,13 +69,12 @@ LeafHits testLeaf(const Leaf& leaf, const glm::vec4& eye) {
 void searchLeavesPortable(
     const ConeTree& tree,
     std::span<const std::uint32_t> leaves,
-    std::span<const HalfEdgeId> twins,
     const Query& query,
     SilhouetteResult& result) {
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     prefetchAhead(tree, leaves, i);
     const Leaf& leaf = tree.leaves[leaves[i]];
-    collect(tree, leaf, testLeaf(leaf, query.eye), twins, result);
+    collect(tree, leaf, testLeaf(leaf, query.eye), result);
   }
 }
 
@@ -97,7 +97,7 @@ const SilhouetteResult& ConesDetector::detect(const SilhouetteView& view) {
   auto openChildren = silhouette::openChildrenPortable;
   auto searchLeaves = silhouette::searchLeavesPortable;
 #if LIMN_SILHOUETTE_AVX2
-  if (silhouette::hasAvx2()) {
+  if (useAvx2_) {
     openChildren = silhouette::openChildrenAvx2;
     searchLeaves = silhouette::searchLeavesAvx2;
   }
@@ -113,7 +113,7 @@ const SilhouetteResult& ConesDetector::detect(const SilhouetteView& view) {
     openChildren(tree_.levels[l], frontier_, query, below_);
     std::swap(frontier_, below_);
   }
-  searchLeaves(tree_, frontier_, field_->mesh().twins, query, result_);
+  searchLeaves(tree_, frontier_, query, result_);
   result_.stats.segments = static_cast<std::uint32_t>(result_.edges.size() + result_.faces.size());
   return result_;
 }

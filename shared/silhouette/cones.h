@@ -21,7 +21,7 @@ struct alignas(64) Leaf {
   /// Local sites of item i: corner k's at [k][i]. Unused items have one site thrice, and so are
   /// never found. An edge has its half-edge's face in [0], its twin's in [1].
   std::array<std::array<std::uint8_t, kLeafItems>, 3> sites;
-  std::uint32_t itemBegin;  // first of its items in ConesDetector::items_
+  std::uint32_t itemBegin;  // its first item; see ConeTree::ids
   std::uint8_t siteCount;
   std::uint8_t itemCount;
 
@@ -45,7 +45,9 @@ struct alignas(32) Node {
 /// is entry 8n + i of the level below; levels[0] is above the leaves.
 struct ConeTree {
   std::vector<Leaf> leaves;
-  std::vector<std::uint32_t> items;  // half-edges or faces, leaf by leaf
+  /// What item i of all leaves is called: kSmooth, face ids[i]; kEdges, half-edge ids[2i] or, where
+  /// its twin's face is the front one, the twin, ids[2i + 1].
+  std::vector<std::uint32_t> ids;
   std::vector<std::vector<Node>> levels;
   float extent = 0.0F;  // bound of |d|/|n| over the planes and of cone centres
 
@@ -71,6 +73,7 @@ class ConesDetector final : public SilhouetteDetector {
 
  private:
   const SilhouetteField* field_;
+  bool useAvx2_;
   silhouette::ConeTree tree_;
   std::vector<std::uint32_t> frontier_;  // entries of one level that may hold silhouettes
   std::vector<std::uint32_t> below_;

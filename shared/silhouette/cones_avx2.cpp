@@ -147,14 +147,13 @@ LIMN_TARGET_AVX2 void openChildrenAvx2(
 LIMN_TARGET_AVX2 void searchLeavesAvx2(
     const ConeTree& tree,
     std::span<const std::uint32_t> leaves,
-    std::span<const HalfEdgeId> twins,
     const Query& query,
     SilhouetteResult& result) {
   const Eye8 eye = broadcast(query.eye);
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     prefetchAhead(tree, leaves, i);
     const Leaf& leaf = tree.leaves[leaves[i]];
-    collect(tree, leaf, testLeaf(leaf, eye), twins, result);
+    collect(tree, leaf, testLeaf(leaf, eye), result);
   }
 }
 

@@ -35,7 +35,6 @@ void openChildrenPortable(
 void searchLeavesPortable(
     const ConeTree& tree,
     std::span<const std::uint32_t> leaves,
-    std::span<const HalfEdgeId> twins,
     const Query& query,
     SilhouetteResult& result);
 
@@ -48,7 +47,6 @@ void openChildrenAvx2(
 void searchLeavesAvx2(
     const ConeTree& tree,
     std::span<const std::uint32_t> leaves,
-    std::span<const HalfEdgeId> twins,
     const Query& query,
     SilhouetteResult& result);
 #endif
@@ -61,25 +59,27 @@ appendChildren(std::uint32_t parent, std::uint32_t mask, std::vector<std::uint32
 }
 
 /// Appends the items that a leaf's hits name.
-inline void collect(
-    const ConeTree& tree,
-    const Leaf& leaf,
-    const LeafHits& found,
-    std::span<const HalfEdgeId> twins,
-    SilhouetteResult& result) {
-  const std::uint32_t* items = tree.items.data() + leaf.itemBegin;
+inline void
+collect(const ConeTree& tree, const Leaf& leaf, const LeafHits& found, SilhouetteResult& result) {
   const bool isSmooth = result.kind == SilhouetteKind::kSmooth;
-  for (std::uint64_t hits = found.differing; hits != 0; hits &= hits - 1) {
-    const int i = std::countr_zero(hits);
-    if (isSmooth) {
-      result.faces.push_back(items[i]);
-    } else {
-      const bool isFront = (found.firstIsFront >> i & 1) != 0;
-      result.edges.push_back(isFront ? items[i] : twins[items[i]]);
-    }
-  }
   result.stats.sitesTested += leaf.siteCount;
   result.stats.facesVisited += isSmooth ? leaf.itemCount : leaf.siteCount;
+  std::vector<std::uint32_t>& out = isSmooth ? result.faces : result.edges;
+  std::size_t next = out.size();
+  out.resize(next + static_cast<std::size_t>(std::popcount(found.differing)));
+  if (isSmooth) {
+    const std::uint32_t* ids = tree.ids.data() + leaf.itemBegin;
+    for (std::uint64_t hits = found.differing; hits != 0; hits &= hits - 1) {
+      out[next++] = ids[std::countr_zero(hits)];
+    }
+  } else {
+    const std::uint32_t* ids = tree.ids.data() + 2 * std::size_t{leaf.itemBegin};
+    for (std::uint64_t hits = found.differing; hits != 0; hits &= hits - 1) {
+      const int i = std::countr_zero(hits);
+      const std::uint64_t isTwin = ~(found.firstIsFront >> i) & 1U;
+      out[next++] = ids[2 * static_cast<std::size_t>(i) + isTwin];
+    }
+  }
 }
 
 /// Asks for the leaf that will be tested a few leaves on.

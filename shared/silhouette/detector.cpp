@@ -52,12 +52,12 @@ std::unique_ptr<SilhouetteDetector>
 makeDetector(DetectorMethod method, const SilhouetteField& field, const DetectorOptions& options) {
   switch (method) {
     case DetectorMethod::kBrute:
-      return std::make_unique<BruteForceDetector>(field);
+      return std::make_unique<BruteForceDetector>(field, options);
     case DetectorMethod::kCones:
       return std::make_unique<ConesDetector>(field, options);
     // Until it lands, the oracle stands in: complete, only slower.
     case DetectorMethod::kPrecomputed:
-      return std::make_unique<BruteForceDetector>(field);
+      return std::make_unique<BruteForceDetector>(field, options);
   }
   LIMN_ASSERT(false);
   return nullptr;

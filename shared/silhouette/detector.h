@@ -70,6 +70,9 @@ struct DetectorOptions {
   int seedViewpoints = 3;    // kPrecomputed: how many of the nearest viewpoints give seeds
   int seedSearchSteps = 24;  // kPrecomputed: vertices to walk from a seed before giving it up
 
+  /// Whether to use the machine's vector instructions. The results are the same either way.
+  bool vectorized = true;
+
   /// kCones: factor on the tangent of every normal cone. 1 finds everything; below, silhouettes
   /// are lost. For negative controls in tests only.
   double coneTangentScale = 1.0;

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "shared/silhouette/field.h"
+
+#include <glm/glm.hpp>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+/// Internal to shared/silhouette: how the cones detector groups edges or faces into leaves.
+namespace limn::silhouette {
+
+/// The items of a field and the sites whose planes decide about each. kEdges: an item is the
+/// smaller half-edge of an edge with two faces, its sites are those faces. kSmooth: an item is a
+/// face, its sites are its vertices.
+class ItemSource {
+ public:
+  explicit ItemSource(const SilhouetteField& field);
+
+  [[nodiscard]] std::uint32_t itemBound() const;  // ids are below; not every one is an item
+
+  [[nodiscard]] std::uint32_t siteCount() const {
+    return static_cast<std::uint32_t>(field_->planes().size());
+  }
+
+  [[nodiscard]] bool isItem(std::uint32_t id) const;
+
+  [[nodiscard]] std::uint32_t sitesPerItem() const {
+    return field_->kind() == SilhouetteKind::kEdges ? 2 : 3;
+  }
+
+  /// An edge's third site repeats its first.
+  [[nodiscard]] std::array<std::uint32_t, 3> sitesOf(std::uint32_t item) const;
+
+  [[nodiscard]] std::span<const std::uint32_t> itemsOf(std::uint32_t site) const {
+    return {items_.data() + itemBegin_[site], itemBegin_[site + 1] - itemBegin_[site]};
+  }
+
+  [[nodiscard]] const glm::vec4& plane(std::uint32_t site) const { return field_->planes()[site]; }
+
+  [[nodiscard]] glm::vec3 point(std::uint32_t site) const;   // about the field's centre
+  [[nodiscard]] glm::vec3 normal(std::uint32_t site) const;  // unit, or zero
+  /// Largest distance of a vertex from the field's centre.
+  [[nodiscard]] float extent() const;
+  [[nodiscard]] float meanFaceArea() const;  // grid units²; > 0
+
+ private:
+  const SilhouetteField* field_;
+  std::vector<std::uint32_t> itemBegin_;  // by site, into items_
+  std::vector<std::uint32_t> items_;
+};
+
+/// Items in groups that need few planes, each item in one group.
+struct Clusters {
+  struct Cluster {
+    std::uint32_t begin = 0;  // items[begin … end)
+    std::uint32_t end = 0;
+    glm::vec3 center{0.0F};  // mean of its sites' points
+    glm::vec3 normal{0.0F};  // mean of its sites' normals, not unit
+  };
+
+  std::vector<std::uint32_t> items;
+  std::vector<Cluster> clusters;
+};
+
+/// Groups with at most maxSites sites and maxItems items, in an order in which eight, sixty-four …
+/// neighbours lie together in position and normal. Deterministic. Cost: O(items log items).
+[[nodiscard]] Clusters
+clusterItems(const ItemSource& source, std::uint32_t maxSites, std::uint32_t maxItems);
+
+}  // namespace limn::silhouette
