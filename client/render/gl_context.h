@@ -17,7 +17,9 @@ enum class GlBackend { kEgl, kOsmesa };
 
 /// An off-screen GL context with at least the abilities of GLES 3.0. Everything is drawn into
 /// framebuffer objects, so a context has no surface worth the name.
-/// Threads: made, used and destroyed on one thread.
+/// Threads: made, used and destroyed on one thread. Contexts of one backend may change places on a
+/// thread; two backends at the same time need a thread each, since Mesa's EGL and OSMesa share the
+/// thread's "current context".
 class GlContext {
  public:
   virtual ~GlContext() = default;

@@ -152,8 +152,8 @@ void StrokePass::draw(
   strokeProgram_.set("hiddenStroke", 2);
   strokeProgram_.set("hiddenMode", static_cast<int>(options.hidden));
   strokeProgram_.set("body", style.style.body);
-  // A step through the triangular filter of radius R climbs by 1/(R + 1) a sample in its middle.
-  strokeProgram_.set("rampPx", (kVisibilityFilterRadius + 1) / options.samplesPerPx);
+  // A step through the filter climbs from 0 to 1 over its window.
+  strokeProgram_.set("rampPx", (2 * kVisibilityFilterRadius + 1) / options.samplesPerPx);
   gl::bindTexture(*api_, 0, filtered_.color());
   gl::bindTexture(*api_, 1, style.visible);
   gl::bindTexture(*api_, 2, style.hidden);

@@ -32,10 +32,11 @@ SpineSamples sampleSpines(
     const PolylineSet::Line& line = lines.lines[spine.line];
     const float length = arcs.length[index];
     const auto steps = static_cast<std::uint32_t>(std::max(1.0, std::ceil(length / spacing)));
-    // An open spine has a sample at both ends; a closed one wraps to its first.
-    const std::uint32_t count = steps + (spine.closed ? 0 : 1);
+    // A sample at both ends. A closed spine's last one is its first again, outside the range that
+    // the filter goes round, so that looking up between neighbours needs no wrapping.
+    const std::uint32_t count = steps + 1;
     const auto first = static_cast<std::uint32_t>(out.samples.size());
-    const auto last = static_cast<float>(first + count - 1);
+    const auto last = static_cast<float>(spine.closed ? first + steps - 1 : first + steps);
     out.begin.push_back(first);
     out.perPx.push_back(length > 0.0F ? static_cast<float>(steps) / length : 0.0F);
 

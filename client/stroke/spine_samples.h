@@ -21,7 +21,8 @@ struct SpineSample {
   /// lines with surface on both sides.
   glm::vec2 outward{0.0F};
   float first = 0.0F;  // index of the spine's first sample
-  float last = 0.0F;   // index of its last one; negated when the spine is closed
+  /// Index of its last one; negated when the spine is closed (a copy of the first follows it then).
+  float last = 0.0F;
 };
 
 static_assert(sizeof(SpineSample) == 8 * sizeof(float));

@@ -53,9 +53,8 @@ std::vector<float> sampleVisibility(const SpineSamples& samples, const DepthImag
       } else if (j < first || j > last) {
         continue;
       }
-      const int w = kVisibilityFilterRadius + 1 - std::abs(step);
-      sum += w * raw[static_cast<std::size_t>(j)];
-      weight += w;
+      sum += raw[static_cast<std::size_t>(j)];
+      ++weight;
     }
     filtered[i] = static_cast<float>(sum) / static_cast<float>(weight);
   }

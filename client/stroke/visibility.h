@@ -12,9 +12,10 @@
 
 namespace limn {
 
-/// Samples on each side that the filter along a spine weighs: a run of fewer samples than this that
-/// differs from its surroundings is a speckle of the depth image, and goes.
-inline constexpr int kVisibilityFilterRadius = 4;
+/// Samples on each side that the filter along a spine averages. A run of up to this many samples
+/// that differs from its surroundings is a speckle of the depth image and goes (it never reaches
+/// half the window); the place where a long run ends stays where it is.
+inline constexpr int kVisibilityFilterRadius = 5;
 
 /// Visibility of every sample, 0 … 1: the 8-neighbourhood test [Mohr13 §3.4] and then the filter
 /// along the spine. ½ is where a line goes behind something. The CPU's counterpart and oracle of

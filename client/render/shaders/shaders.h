@@ -98,9 +98,8 @@ void main() {
     } else if (j < first || j > last) {
       continue;
     }
-    float w = float(radius + 1 - abs(step));
-    sum += w * texelFetch(tested, ivec2(j % width, j / width), 0).r;
-    weight += w;
+    sum += texelFetch(tested, ivec2(j % width, j / width), 0).r;
+    weight += 1.0;
   }
   visible = sum / max(weight, 1.0);
 }
@@ -152,7 +151,7 @@ void main() {
   float seen = mix(visibilityAt(int(base)), visibilityAt(int(base) + 1), spine.y - base);
   // Distance past the place where the line goes hidden, and a round end for the visible part there.
   float past = (seen - 0.5) * rampPx;
-  float radius = min(halfWidth * body, 0.4 * rampPx);
+  float radius = min(halfWidth * body, 0.45 * rampPx);
   float t = min(abs(spine.x) / body, 1.0);
   float end = radius * (1.0 - sqrt(1.0 - t * t));
   float share = hiddenMode == 2 ? 1.0 : smoothstep(-0.5, 0.5, past - end);

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/stroke/tessellate.h"
+
+#include "shared/core/rng.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace limn {
+namespace {
+
+/// One spine in the picture, with everything tessellate() wants.
+struct Drawn {
+  SpineSet spines;
+  SpineArcs arcs;
+  SpineSamples samples;
+  PolylineSet lines;
+};
+
+Drawn drawn(const std::vector<glm::vec2>& points, bool closed) {
+  Drawn d;
+  const auto count = static_cast<std::uint32_t>(points.size());
+  d.spines.points = points;
+  d.spines.exact = points;
+  d.spines.depth.assign(count, 0.5F);
+  for (std::uint32_t i = 0; i < count; ++i)
+    d.spines.source.push_back(i);
+  d.spines.spines.push_back({LineKind::kSilhouette, closed, true, true, 0, count, 0});
+  d.arcs = measureSpines(d.spines);
+  d.samples.begin = {0};
+  d.samples.perPx = {1.0F};
+  d.lines.points.assign(count, glm::vec3(0.0F));
+  d.lines.lines.push_back({LineKind::kSilhouette, closed, 0, count});
+  return d;
+}
+
+StrokeStyle plainStyle() {
+  StrokeStyle style;
+  style.widthPx = 6.0F;
+  style.body = 1.0F;
+  style.fadeBelowPx = 0.0F;
+  style.fadeHiddenBelowPx = 0.0F;
+  return style;
+}
+
+StrokeMesh strokes(const Drawn& d, const StrokeStyle& style) {
+  return tessellate(d.spines, d.arcs, d.samples, d.lines, style, style.widthPx);
+}
+
+float cross(const glm::vec2& a, const glm::vec2& b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+bool covers(const StrokeMesh& mesh, const glm::vec2& p) {
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const glm::vec2 a = mesh.vertices[mesh.indices[i]].position;
+    const glm::vec2 b = mesh.vertices[mesh.indices[i + 1]].position;
+    const glm::vec2 c = mesh.vertices[mesh.indices[i + 2]].position;
+    const float u = cross(b - a, p - a);
+    const float v = cross(c - b, p - b);
+    const float w = cross(a - c, p - c);
+    constexpr float kSlack = 1e-2F;
+    if ((u >= -kSlack && v >= -kSlack && w >= -kSlack) ||
+        (u <= kSlack && v <= kSlack && w <= kSlack)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+double area(const StrokeMesh& mesh) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const glm::vec2 a = mesh.vertices[mesh.indices[i]].position;
+    const glm::vec2 b = mesh.vertices[mesh.indices[i + 1]].position;
+    const glm::vec2 c = mesh.vertices[mesh.indices[i + 2]].position;
+    sum += 0.5 * std::abs(cross(b - a, c - a));
+  }
+  return sum;
+}
+
+std::vector<glm::vec2> circle(float radius, int count) {
+  std::vector<glm::vec2> points;
+  for (int i = 0; i < count; ++i) {
+    const float angle =
+        2.0F * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(count);
+    points.push_back(glm::vec2(100.0F) + radius * glm::vec2(std::cos(angle), std::sin(angle)));
+  }
+  return points;
+}
+
+TEST(Tessellate, EveryPointNearTheSpineIsCoveredHoweverSharpTheTurns) {
+  Rng rng(7);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<glm::vec2> points = {{50.0F, 50.0F}};
+    const bool closed = round % 2 == 1;
+    for (int i = 0; i < 12; ++i) {
+      // Steps of 2 to 30 px in any direction, straight back included.
+      const double angle = i % 5 == 4 ? std::numbers::pi : 2.0 * std::numbers::pi * rng.uniform();
+      const double size = 2.0 + 28.0 * rng.uniform();
+      points.push_back(points.back() + glm::vec2(size * std::cos(angle), size * std::sin(angle)));
+    }
+    const Drawn d = drawn(points, closed);
+    const StrokeMesh mesh = strokes(d, plainStyle());
+    const std::size_t segments = points.size() - (closed ? 0 : 1);
+    for (std::size_t i = 0; i < segments; ++i) {
+      const glm::vec2 a = points[i];
+      const glm::vec2 b = points[(i + 1) % points.size()];
+      for (float t = 0.0F; t <= 1.0F; t += 0.125F) {
+        const glm::vec2 middle = glm::mix(a, b, t);
+        ASSERT_TRUE(covers(mesh, middle)) << "round " << round << " segment " << i << " at " << t;
+        const glm::vec2 n = glm::normalize(glm::vec2(a.y - b.y, b.x - a.x));
+        // Up to the full width, away from the inner side of corners.
+        if (t < 0.4F || t > 0.6F || glm::distance(a, b) < 20.0F) continue;
+        ASSERT_TRUE(covers(mesh, middle + 2.9F * n)) << "round " << round << " segment " << i;
+        ASSERT_TRUE(covers(mesh, middle - 2.9F * n)) << "round " << round << " segment " << i;
+      }
+    }
+    // Around each corner the outer side is closed: the ring at 0.9 half widths on it has no gap.
+    for (std::size_t i = closed ? 0 : 1; i + 1 < points.size(); ++i) {
+      const glm::vec2 in =
+          glm::normalize(points[i] - points[(i + points.size() - 1) % points.size()]);
+      const glm::vec2 out = glm::normalize(points[i + 1] - points[i]);
+      const glm::vec2 bisector = in - out;
+      if (glm::length(bisector) < 1e-3F) continue;
+      ASSERT_TRUE(covers(mesh, points[i] + 2.6F * glm::normalize(bisector)))
+          << "round " << round << " corner " << i;
+    }
+  }
+}
+
+TEST(Tessellate, GentleCurvesHaveNeitherGapsNorOverlaps) {
+  const Drawn d = drawn(circle(60.0F, 120), true);
+  const double expected = std::numbers::pi * (63.0 * 63.0 - 57.0 * 57.0);
+  EXPECT_NEAR(area(strokes(d, plainStyle())), expected, 0.005 * expected);
+}
+
+TEST(Tessellate, NeighbouringSegmentsShareTheirCornerVertices) {
+  const Drawn d = drawn({{0, 0}, {20, 0}, {40, 5}, {60, 5}}, false);
+  StrokeStyle style = plainStyle();
+  const StrokeMesh mesh = strokes(d, style);
+  // A strip of n stations has 2n vertices and n − 1 quads: nothing is duplicated.
+  EXPECT_EQ(mesh.indices.size() / 6, mesh.vertices.size() / 2 - 1);
+}
+
+TEST(Tessellate, AStraightStrokeHasExactlyItsWidth) {
+  const Drawn d = drawn({{10, 10}, {110, 10}}, false);
+  const StrokeMesh mesh = strokes(d, plainStyle());
+  EXPECT_TRUE(covers(mesh, {60.0F, 12.98F}));
+  EXPECT_FALSE(covers(mesh, {60.0F, 13.05F}));
+  EXPECT_TRUE(covers(mesh, {60.0F, 7.02F}));
+  EXPECT_FALSE(covers(mesh, {60.0F, 6.95F}));
+}
+
+TEST(Tessellate, ALoopsTextureClosesAfterAWholeNumberOfRepeats) {
+  for (const float radius : {5.0F, 37.0F, 80.0F}) {
+    const Drawn d = drawn(circle(radius, 90), true);
+    StrokeStyle style = plainStyle();
+    style.visible.lengthPx = 70.0F;
+    style.hidden.lengthPx = 33.0F;
+    const StrokeMesh mesh = strokes(d, style);
+    const auto [low, high] = std::minmax_element(
+        mesh.vertices.begin(),
+        mesh.vertices.end(),
+        [](const StrokeVertex& a, const StrokeVertex& b) { return a.visibleU < b.visibleU; });
+    const float repeats = high->visibleU - low->visibleU;
+    EXPECT_GE(repeats, 0.99F);
+    EXPECT_NEAR(repeats, std::round(repeats), 1e-3F) << radius;
+    const float hidden = high->hiddenU - low->hiddenU;
+    EXPECT_NEAR(hidden, std::round(hidden), 1e-3F) << radius;
+    // The seam is at one place in the picture.
+    EXPECT_NEAR(glm::distance(low->position, high->position), 0.0F, 6.01F);
+  }
+}
+
+TEST(Tessellate, OpenEndsTaperAndCutEndsDoNot) {
+  Drawn d = drawn({{10, 10}, {110, 10}}, false);
+  StrokeStyle style = plainStyle();
+  style.taperPx = 20.0F;
+  EXPECT_FALSE(covers(strokes(d, style), {12.0F, 12.5F}));
+  EXPECT_TRUE(covers(strokes(d, style), {60.0F, 12.5F}));
+  d.spines.spines[0].freeStart = false;
+  EXPECT_TRUE(covers(strokes(d, style), {10.5F, 12.5F}));
+}
+
+TEST(Tessellate, TinyLoopsFadeAway) {
+  StrokeStyle style = plainStyle();
+  style.fadeBelowPx = 6.0F;
+  style.fadeHiddenBelowPx = 16.0F;
+  EXPECT_TRUE(strokes(drawn(circle(1.0F, 12), true), style).vertices.empty());
+  const StrokeMesh middle = strokes(drawn(circle(4.5F, 24), true), style);
+  ASSERT_FALSE(middle.vertices.empty());
+  EXPECT_FLOAT_EQ(middle.vertices[0].visibleFade, 1.0F);
+  EXPECT_FLOAT_EQ(middle.vertices[0].hiddenFade, 0.0F);
+}
+
+TEST(Tessellate, RepeatedPointsAndEmptyInputDoNoHarm) {
+  EXPECT_TRUE(strokes(drawn({{5, 5}, {5, 5}}, false), plainStyle()).vertices.empty());
+  const StrokeMesh mesh = strokes(drawn({{5, 5}, {25, 5}, {25, 5}, {45, 5}}, false), plainStyle());
+  for (const StrokeVertex& v : mesh.vertices) {
+    EXPECT_TRUE(std::isfinite(v.position.x) && std::isfinite(v.position.y));
+  }
+  EXPECT_TRUE(covers(mesh, {25.0F, 7.0F}));
+}
+
+}  // namespace
+}  // namespace limn
