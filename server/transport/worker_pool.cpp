@@ -11,6 +11,10 @@ WorkerPool::WorkerPool(std::size_t threads, std::function<void()> wake) : wake_(
 }
 
 WorkerPool::~WorkerPool() {
+  stop();
+}
+
+void WorkerPool::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -19,6 +23,7 @@ WorkerPool::~WorkerPool() {
   condition_.notify_all();
   for (std::thread& thread : threads_)
     thread.join();
+  threads_.clear();
 }
 
 void WorkerPool::submit(std::function<void()> work, std::function<void()> done) {

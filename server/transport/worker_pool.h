@@ -25,6 +25,9 @@ class WorkerPool final : public TaskRunner {
 
   [[nodiscard]] std::size_t pending() const override { return pending_; }
 
+  /// Waits for the work in progress and drops the rest. Nothing is woken or done afterwards.
+  void stop();
+
   /// Runs the `done` of what has finished. Loop thread. Returns how many.
   std::size_t runDone();
 

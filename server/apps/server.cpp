@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/apps/background_preparation.h"
+#include "server/session/model_library.h"
+#include "server/session/session.h"
+#include "server/session/view_cells.h"
+#include "server/store/asset_store.h"
+#include "server/transport/access.h"
+#include "server/transport/lws_transport.h"
+#include "server/transport/worker_pool.h"
+
+#include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <thread>
+
+namespace limn {
+namespace {
+
+constexpr int kExitFailed = 1;
+constexpr int kExitUsage = 2;
+
+constexpr char kExamples[] =
+    "Examples:\n"
+    "  limn-server --store assets --models meshes\n"
+    "  limn-server --store assets --listen 0.0.0.0:8600 --token-file tokens.txt\n"
+    "  limn-server --store assets --listen 127.0.0.1:0 --metrics-listen 127.0.0.1:9600";
+
+struct Arguments {
+  std::string store;
+  std::string models;
+  std::string listen = "127.0.0.1:8600";
+  std::string metricsListen;
+  std::string tlsCertificate;
+  std::string tlsKey;
+  std::string tokenFile;
+  std::vector<std::string> origins;
+  std::size_t maxClients = 10'000;
+  std::size_t maxClientsPerAddress = 0;
+  std::int64_t prefetchAfterMs = 1000;
+  std::int64_t drainMs = 20'000;
+  std::size_t workers = 0;
+  std::size_t targetCacheMib = 256;
+  std::int64_t randomOrder = -1;
+};
+
+int usageError(const std::string& message) {
+  std::cerr << "limn-server: " << message << '\n';
+  return kExitUsage;
+}
+
+int failed(const std::string& message) {
+  std::cerr << "limn-server: " << message << '\n';
+  return kExitFailed;
+}
+
+/// limn-prepare, where it is installed: beside this program.
+std::filesystem::path preparePath() {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  return self.parent_path() / "limn-prepare";
+}
+
+Result<std::string> readText(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return fail(ErrorCode::kIo, "cannot read " + path);
+  return std::string{std::istreambuf_iterator<char>(in), {}};
+}
+
+Result<TransportOptions> transportOptions(const Arguments& arguments) {
+  TransportOptions options;
+  const auto listen = parseListenAddress(arguments.listen);
+  if (!listen) return tl::unexpected(listen.error().within("--listen"));
+  options.listen = *listen;
+  if (!arguments.metricsListen.empty()) {
+    const auto metrics = parseListenAddress(arguments.metricsListen);
+    if (!metrics) return tl::unexpected(metrics.error().within("--metrics-listen"));
+    options.metricsListen = *metrics;
+  }
+  if (arguments.tlsCertificate.empty() != arguments.tlsKey.empty()) {
+    return fail(ErrorCode::kInvalidArgument, "--tls-cert and --tls-key go together; give both");
+  }
+  for (const std::string& file : {arguments.tlsCertificate, arguments.tlsKey}) {
+    if (file.empty()) continue;
+    if (const auto readable = readText(file); !readable) return tl::unexpected(readable.error());
+  }
+  options.tlsCertificate = arguments.tlsCertificate;
+  options.tlsKey = arguments.tlsKey;
+  if (!arguments.tokenFile.empty()) {
+    const auto text = readText(arguments.tokenFile);
+    if (!text) return tl::unexpected(text.error());
+    auto tokens = parseTokens(*text);
+    if (!tokens) return tl::unexpected(tokens.error().within("--token-file"));
+    options.access.tokens = std::move(*tokens);
+  }
+  options.access.origins = arguments.origins;
+  options.access.maxClients = arguments.maxClients;
+  options.access.maxClientsPerAddress = arguments.maxClientsPerAddress;
+  options.drainMs = arguments.drainMs;
+  return options;
+}
+
+int serve(const Arguments& arguments, const TransportOptions& options) {
+  const auto store = openDirectoryStore(arguments.store);
+  if (!store) return failed(store.error().message);
+  const bool watches = !arguments.models.empty();
+  std::error_code error;
+  if (watches && !std::filesystem::exists(preparePath(), error)) {
+    return failed(preparePath().string() + " is missing; --models needs it beside limn-server");
+  }
+
+  const auto log = [](const std::string& line) { spdlog::info("{}", line); };
+  setTransportLog([](const std::string& line) { spdlog::warn("{}", line); });
+
+  // Workers outlive neither what they compute with nor what they wake.
+  LwsTransport* wakened = nullptr;
+  const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
+  std::unique_ptr<LwsTransport> transport;
+  WorkerPool workers(
+      arguments.workers != 0 ? arguments.workers : std::max<std::size_t>(1, cores - 1),
+      [&wakened] {
+        if (wakened != nullptr) wakened->wake();
+      });
+  BackgroundPreparation* background = nullptr;
+  ModelLibrary library(
+      **store,
+      workers,
+      {},
+      [&background](const std::string& name, const Sha256Digest& asset, const Error& why) {
+        if (background != nullptr) background->damaged(name, asset, why);
+      });
+  ViewCells cells(workers, {.cacheBytes = arguments.targetCacheMib << 20});
+  SessionOptions sessionOptions;
+  sessionOptions.prefetchAfterMs = arguments.prefetchAfterMs;
+  if (arguments.randomOrder >= 0) {
+    sessionOptions.randomSeed = static_cast<std::uint64_t>(arguments.randomOrder);
+  }
+  SessionShared shared{library, cells, sessionOptions, std::string("limn-server ") + LIMN_VERSION};
+  BackgroundOptions backgroundOptions;
+  backgroundOptions.store = arguments.store;
+  backgroundOptions.models = arguments.models;
+  backgroundOptions.prepare = preparePath();
+  BackgroundPreparation preparation(**store, library, backgroundOptions, log);
+  background = &preparation;
+
+  TransportHandlers handlers;
+  handlers.catalogue = [&library]() -> const std::vector<CatalogueItem>& {
+    return library.catalogue();
+  };
+  handlers.tick = [&](std::int64_t nowMs) { preparation.tick(nowMs); };
+  handlers.woken = [&] { workers.runDone(); };
+  handlers.status = [&] {
+    ServerStatus status;
+    status.version = LIMN_VERSION;
+    if (!preparation.folderProblem().empty()) {
+      status.ready = false;
+      status.notReadyBecause = preparation.folderProblem();
+    }
+    status.modelsLoaded = library.loadedModels();
+    status.modelBytes = library.loadedBytes();
+    status.targetCacheBytes = cells.cachedBytes();
+    status.targetSetsComputedTotal = cells.computed();
+    status.targetCacheHitsTotal = cells.hits();
+    status.tasksPending = workers.pending();
+    status.preparationsTotal = preparation.finished();
+    status.preparationsFailedTotal = preparation.failed();
+    return status;
+  };
+
+  // Whatever way this ends: no work goes on while what it works on goes away.
+  struct End {
+    WorkerPool& workers;
+    std::unique_ptr<LwsTransport>& transport;
+
+    ~End() {
+      workers.stop();
+      transport.reset();
+    }
+  };
+
+  const End end{workers, transport};
+  auto opened = LwsTransport::open(options, shared, handlers);
+  if (!opened) return failed(opened.error().message);
+  transport = std::move(*opened);
+  wakened = transport.get();
+  if (const auto begun = preparation.begin(LwsTransport::nowMs()); !begun) {
+    return failed(begun.error().message);
+  }
+
+  const std::string scheme = options.tlsCertificate.empty() ? "ws" : "wss";
+  const std::string host = options.listen.ipv6           ? "[" + options.listen.host + "]"
+                           : options.listen.host.empty() ? "0.0.0.0"
+                                                         : options.listen.host;
+  std::cout << "limn-server: listening on " << scheme << "://" << host << ':' << transport->port()
+            << std::endl;
+  if (transport->metricsPort() != 0) {
+    std::cout << "limn-server: metrics on http://" << options.metricsListen->host << ':'
+              << transport->metricsPort() << "/metrics" << std::endl;
+  }
+  transport->run();
+  preparation.stop();
+  log("drained");
+  return 0;
+}
+
+int run(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Serves prepared meshes as silhouette-first streams.", "limn-server");
+  app.set_version_flag("--version", std::string("limn-server ") + LIMN_VERSION);
+  app.footer(kExamples);
+  app.add_option("--store", arguments.store, "Directory of prepared assets; made when missing")
+      ->required();
+  app.add_option("--models", arguments.models, "Folder of mesh files to prepare in the background");
+  app.add_option("--listen", arguments.listen, "Address for WebSocket and HTTP; port 0: a free one")
+      ->capture_default_str();
+  app.add_option("--metrics-listen", arguments.metricsListen, "Address for Prometheus' /metrics");
+  app.add_option("--tls-cert", arguments.tlsCertificate, "PEM certificate chain");
+  app.add_option("--tls-key", arguments.tlsKey, "PEM private key");
+  app.add_option(
+      "--token-file",
+      arguments.tokenFile,
+      "Bearer tokens that clients may connect with, one a line");
+  app.add_option("--origin", arguments.origins, "Hosts whose browser pages may connect");
+  app.add_option("--max-clients", arguments.maxClients, "Connections at most")
+      ->capture_default_str();
+  app.add_option(
+         "--max-clients-per-address",
+         arguments.maxClientsPerAddress,
+         "Connections from one address at most; 0: no limit")
+      ->capture_default_str();
+  app.add_option(
+         "--prefetch-after-ms",
+         arguments.prefetchAfterMs,
+         "A settled pose this old gets everything else too; -1: never")
+      ->capture_default_str();
+  app.add_option("--drain-ms", arguments.drainMs, "Time for clients to leave after SIGTERM")
+      ->capture_default_str();
+  app.add_option("--workers", arguments.workers, "Threads that choose splits (default: cores - 1)");
+  app.add_option(
+         "--target-cache-mib",
+         arguments.targetCacheMib,
+         "Memory for target sets of view cells")
+      ->capture_default_str();
+  app.add_option(
+      "--random-order",
+      arguments.randomOrder,
+      "Test mode: splits in random legal order, by seed");
+  app.set_config("--config", "", "Read options from a TOML file");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    return usageError(std::string(error.what()) + " (see limn-server --help)");
+  }
+  if (arguments.store.find("://") != std::string::npos) {
+    return usageError("--store takes a directory; object stores are not part of this release");
+  }
+  if (!arguments.models.empty() && !std::filesystem::is_directory(arguments.models)) {
+    return usageError("--models " + arguments.models + " is no directory; give a folder of meshes");
+  }
+  const auto options = transportOptions(arguments);
+  if (!options) return usageError(options.error().message);
+  // A client that is gone must not end the server.
+  std::signal(SIGPIPE, SIG_IGN);
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("limn-server"));
+  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
+  return serve(arguments, *options);
+}
+
+}  // namespace
+}  // namespace limn
+
+int main(int argc, char** argv) {
+  return limn::run(argc, argv);
+}
