@@ -224,11 +224,18 @@ Result<ImportedMesh> importMesh(std::string_view bytes, std::string_view extensi
   std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) {
     return static_cast<char>(std::tolower(c));
   });
-  auto mesh = import::readUnchecked(bytes, lower);
-  if (!mesh) return mesh;
-  if (auto checked = import::dropInvalidFaces(*mesh); !checked)
-    return tl::unexpected(checked.error());
-  return mesh;
+  try {
+    auto mesh = import::readUnchecked(bytes, lower);
+    if (!mesh) return mesh;
+    if (auto checked = import::dropInvalidFaces(*mesh); !checked) {
+      return tl::unexpected(checked.error());
+    }
+    return mesh;
+  } catch (const std::bad_alloc&) {
+    return fail(
+        ErrorCode::kLimitExceeded,
+        "not enough memory to read the model: simplify or split it");
+  }
 }
 
 Result<ImportedMesh> importMesh(const std::filesystem::path& file) {

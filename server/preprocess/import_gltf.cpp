@@ -20,9 +20,10 @@ namespace limn::import {
 
 namespace {
 
-/// Instances multiply: a small file may describe more than any memory holds.
-constexpr std::size_t kMaxVertices = std::size_t{1} << 25;
-constexpr std::size_t kMaxCorners = std::size_t{1} << 27;
+/// Instances multiply: a small file may describe more than any memory holds. These many corners are
+/// always fine (5.6 million faces, below half a GiB), and so are four for each byte of the file.
+constexpr std::size_t kCornersAlwaysFine = std::size_t{1} << 24;
+constexpr std::size_t kCornersPerByte = 4;
 
 tl::unexpected<Error> corrupt(std::string_view what) {
   return fail(
@@ -82,7 +83,9 @@ bool has(const List& list, int index) {
 
 class GltfReader {
  public:
-  explicit GltfReader(const tinygltf::Model& model) : model_(model) {}
+  GltfReader(const tinygltf::Model& model, std::size_t fileBytes)
+      : model_(model),
+        maxCorners_(kCornersAlwaysFine + kCornersPerByte * fileBytes) {}
 
   Result<ImportedMesh> read() {
     if (auto walked = walkScene(); !walked) return tl::unexpected(walked.error());
@@ -300,20 +303,22 @@ class GltfReader {
       } else {
         addTriangle(i, i + 1, i + 2);
       }
-      tooMuch = mesh_.positions.size() > kMaxVertices || mesh_.corners.size() > kMaxCorners;
+      tooMuch = mesh_.corners.size() > maxCorners_ || mesh_.corners.size() > kNone - 3;
     }
     for (const std::size_t vertex : taken)
       slots_[vertex] = kNone;
     if (tooMuch) {
       return fail(
           ErrorCode::kLimitExceeded,
-          "the scene's instances add up to more than 33 million vertices or 44 million faces: "
-          "export fewer, or split the model");
+          "the scene's instances add up to far more faces than the file holds: export fewer of "
+          "them, or "
+          "split the model");
     }
     return {};
   }
 
   const tinygltf::Model& model_;
+  const std::size_t maxCorners_;
   ImportedMesh mesh_;
   std::vector<std::uint32_t> slots_;  // of the primitive being added; kNone elsewhere
 };
@@ -363,7 +368,7 @@ Result<ImportedMesh> readGltf(std::string_view bytes) {
     }
     glb->clear();
     glb->shrink_to_fit();
-    auto mesh = GltfReader(model).read();
+    auto mesh = GltfReader(model, bytes.size()).read();
     if (mesh) mesh->format = bytes.starts_with("glTF") ? "glb" : "gltf";
     return mesh;
   } catch (const std::exception& thrown) {  // nlohmann's json inside tinygltf

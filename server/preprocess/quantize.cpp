@@ -14,7 +14,7 @@ bool isFinite(const glm::dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-/// Numbers distinct grid positions in order of appearance: an open-addressing table.
+/// Numbers distinct grid positions in order of insertion: an open-addressing table.
 class PositionTable {
  public:
   PositionTable(std::size_t capacity, std::vector<glm::ivec3>& positions)
@@ -52,7 +52,7 @@ Result<QuantizedPolygons> quantize(const ImportedMesh& input, int bits) {
   constexpr double kHuge = std::numeric_limits<double>::infinity();
   glm::dvec3 low(kHuge);
   glm::dvec3 high(-kHuge);
-  std::vector<std::uint32_t> vertexOf(vertices, kNone);  // first: 0 for referenced
+  std::vector<std::uint32_t> vertexOf(vertices, kNone);  // 0 where referenced, until numbered
   std::size_t referenced = 0;
   result.corners.reserve(input.corners.size());
   result.polygonBegin.reserve(polygons + 1);
@@ -99,15 +99,13 @@ Result<QuantizedPolygons> quantize(const ImportedMesh& input, int bits) {
   result.droppedVertices = vertices - referenced;
   result.positions.reserve(referenced);
   PositionTable table(referenced, result.positions);
-  for (std::uint32_t& corner : result.corners) {
-    std::uint32_t& merged = vertexOf[corner];
-    if (merged == 0) {
-      const glm::dvec3 cell = glm::floor((input.positions[corner] - low) / result.grid.step + 0.5);
-      // + 1: 0 still means not numbered yet.
-      merged = table.insert(glm::ivec3(glm::clamp(cell, 0.0, cells))) + 1;
-    }
-    corner = merged - 1;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    if (vertexOf[v] == kNone) continue;
+    const glm::dvec3 cell = glm::floor((input.positions[v] - low) / result.grid.step + 0.5);
+    vertexOf[v] = table.insert(glm::ivec3(glm::clamp(cell, 0.0, cells)));
   }
+  for (std::uint32_t& corner : result.corners)
+    corner = vertexOf[corner];
   result.mergedVertices = referenced - result.positions.size();
   return result;
 }

@@ -56,7 +56,11 @@ InputShape measureInput(const ImportedMesh& input) {
   for (std::uint32_t p = 0; p < polygons; ++p) {
     const std::uint32_t begin = input.polygonBegin[p];
     const std::uint32_t end = input.polygonBegin[p + 1];
-    for (std::uint32_t c = begin; c < end; ++c) {
+    const bool valid = std::all_of(
+        input.corners.begin() + begin,
+        input.corners.begin() + end,
+        [&](std::uint32_t corner) { return corner < same.size(); });
+    for (std::uint32_t c = begin; valid && c < end; ++c) {
       const std::uint32_t a = same[input.corners[c]];
       const std::uint32_t b = same[input.corners[c + 1 < end ? c + 1 : begin]];
       if (a != b)
