@@ -17,9 +17,9 @@
 #include "client/render/renderer.h"
 #include "client/stroke/visibility.h"
 
-#include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace limn {
@@ -193,8 +193,9 @@ Result<ContourError> checkAgainstReference(
 /// Draws every frame and writes every output.
 class Drawing {
  public:
-  Drawing(const RenderCommandOptions& options, SessionOutcome outcome)
+  Drawing(const RenderCommandOptions& options, std::string modelName, SessionOutcome outcome)
       : options_(options),
+        modelName_(std::move(modelName)),
         painter_(options),
         outcome_(std::move(outcome)) {}
 
@@ -237,6 +238,7 @@ class Drawing {
     if (options_.report.empty()) return {};
     RenderReport report;
     report.outcome = &outcome_;
+    report.modelName = modelName_;
     report.frames = times_;
     report.detectorName = options_.detectorName;
     report.stats = stats_;
@@ -273,6 +275,7 @@ class Drawing {
   }
 
   const RenderCommandOptions& options_;
+  const std::string modelName_;
   Painter painter_;
   SessionOutcome outcome_;
   std::optional<LineFinder> finder_;
@@ -328,7 +331,7 @@ Result<void> runRender(const RenderCommandOptions& options) {
   auto outcome = reach();
   if (!outcome) return tl::unexpected(outcome.error());
 
-  Drawing drawing(options, std::move(*outcome));
+  Drawing drawing(options, source->model, std::move(*outcome));
   if (needsPicture(options)) {
     for (std::uint32_t i = 0; i < options.frames; ++i) {
       if (interrupted()) return fail(ErrorCode::kCancelled, "stopped on request");

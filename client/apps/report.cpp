@@ -41,7 +41,7 @@ std::string reportJson(const RenderReport& report) {
   const ByteCounters& bytes = outcome.bytes;
   const json root = {
       {"state", nameOf(outcome.state)},
-      {"model", outcome.snapshot->model.name},
+      {"model", report.modelName},
       {"asset", toHex(outcome.snapshot->model.asset)},
       {"mesh",
        {{"vertices", mesh.mesh().vertexCount()},

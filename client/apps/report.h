@@ -31,6 +31,7 @@ struct ContourError {
 /// What `render --report` says.
 struct RenderReport {
   const SessionOutcome* outcome = nullptr;
+  std::string modelName;
   std::vector<FrameTimes> frames;
   std::string detectorName;
   DetectionStats stats;

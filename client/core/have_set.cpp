@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/core/have_set.h"
 
-#include "protocol/limits.h"
-
 #include <algorithm>
 
 namespace limn {
 
-std::vector<std::vector<std::uint8_t>> encodeHaveSet(
-    const StreamDecoder& decoder,
-    std::uint8_t channel) {
+std::vector<std::vector<std::uint8_t>>
+encodeHaveSet(const StreamDecoder& decoder, std::uint8_t channel, std::size_t pieceBytes) {
   std::vector<std::uint8_t> bits;
   if (decoder.hasBase()) {
     bits.assign((decoder.model().vertices + 7ULL) / 8, 0);
@@ -22,7 +19,7 @@ std::vector<std::vector<std::uint8_t>> encodeHaveSet(
   std::vector<std::vector<std::uint8_t>> pieces;
   std::size_t done = 0;
   do {
-    const std::size_t size = std::min(limits::kMaxHaveSetPieceBytes, bits.size() - done);
+    const std::size_t size = std::min(pieceBytes, bits.size() - done);
     protocol::HaveSet piece;
     piece.channel = channel;
     piece.asset = decoder.model().asset;

@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/core/session_machine.h"
+
+#include "client/core/connection.h"
+#include "tests/unit/client/core/small_asset.h"
+
+#include "shared/mesh/primitives.h"
+
+#include <gtest/gtest.h>
+
+namespace limn {
+namespace {
+
+using Phase = SessionMachine::Phase;
+
+const SmallAsset& ball() {
+  static const SmallAsset asset = makeSmallAsset(primitives::bumpySphere(3, 1));
+  return asset;
+}
+
+/// A machine with its time and the messages it has sent.
+struct Bench {
+  explicit Bench(StopCondition stop = {}, std::string model = "ball")
+      : machine(options(stop, model)) {
+    machine.start(now);
+  }
+
+  static SessionMachine::Options options(StopCondition stop, const std::string& model) {
+    SessionMachine::Options o;
+    o.model = model;
+    o.stop = stop;
+    return o;
+  }
+
+  void say(const std::vector<std::uint8_t>& message) {
+    machine.onMessage(message, message.size() + frameHeaderBytes(message.size()), now);
+    collect();
+  }
+
+  void say(const protocol::Body& body) { say(protocol::encodeMessage(body)); }
+
+  void collect() {
+    for (auto& message : machine.takeOutbox())
+      sent.push_back(std::move(message));
+  }
+
+  void open() {
+    machine.onOpen(now);
+    collect();
+  }
+
+  /// Up to and with ModelInfo.
+  void openModel(const SmallAsset& asset) {
+    open();
+    say(protocol::Welcome{1, "server"});
+    say(asset.info);
+  }
+
+  void start(const SmallAsset& asset) {
+    openModel(asset);
+    say(asset.base);
+    for (const auto& block : asset.blocks)
+      say(block);
+  }
+
+  void view(double x) {
+    View v;
+    v.camera.eye = {x, 0.0, 5.0};
+    machine.setView(v, now);
+    collect();
+  }
+
+  void lose() { machine.onClosed({ErrorCode::kNetwork, "lost"}, now); }
+
+  /// Waits out the backoff.
+  void wait() {
+    ASSERT_TRUE(machine.wakeAtMs());
+    now = std::max(now, *machine.wakeAtMs());
+    machine.onTimer(now);
+    collect();
+  }
+
+  /// Decodes the last message of a type that was sent, and keeps it alive.
+  template <class T>
+  const T* last() {
+    for (auto it = sent.rbegin(); it != sent.rend(); ++it) {
+      auto message = protocol::decodeMessage(*it, protocol::Sender::kClient);
+      EXPECT_TRUE(message);
+      if (message->as<T>() == nullptr) continue;
+      kept = std::move(*message);
+      return kept.as<T>();
+    }
+    return nullptr;
+  }
+
+  template <class T>
+  int count() {
+    int n = 0;
+    for (const auto& bytes : sent) {
+      n += protocol::decodeMessage(bytes, protocol::Sender::kClient)->as<T>() != nullptr ? 1 : 0;
+    }
+    return n;
+  }
+
+  std::uint64_t now = 1000;
+  SessionMachine machine;
+  std::vector<std::vector<std::uint8_t>> sent;
+  protocol::Message kept;
+};
+
+StopCondition untilState(MeshState state) {
+  StopCondition stop;
+  stop.state = state;
+  return stop;
+}
+
+TEST(SessionMachine, GreetsOpensAndStreamsToTheEnd) {
+  Bench bench(untilState(MeshState::kComplete));
+  EXPECT_TRUE(bench.machine.wantsConnection());
+  bench.open();
+  ASSERT_NE(bench.last<protocol::Hello>(), nullptr);
+  bench.say(protocol::Welcome{1, "server"});
+  ASSERT_NE(bench.last<protocol::Open>(), nullptr);
+  EXPECT_EQ(bench.last<protocol::Open>()->model, "ball");
+  EXPECT_FALSE(bench.last<protocol::Open>()->resume);
+  bench.say(ball().info);
+  EXPECT_EQ(bench.machine.state(), MeshState::kNothing);
+  bench.say(ball().base);
+  EXPECT_EQ(bench.machine.state(), MeshState::kBase);
+  for (const auto& block : ball().blocks)
+    bench.say(block);
+  EXPECT_EQ(bench.machine.state(), MeshState::kPartial);
+  for (const auto& packet : ball().packets)
+    bench.say(packet);
+  EXPECT_EQ(bench.machine.phase(), Phase::kDone);
+  EXPECT_EQ(bench.machine.state(), MeshState::kComplete);
+  EXPECT_FALSE(bench.machine.wantsConnection());
+  EXPECT_TRUE(isWhole(ball(), bench.machine.decoder().mesh()));
+}
+
+TEST(SessionMachine, AcknowledgesExactlyThePayloadItTook) {
+  Bench bench(untilState(MeshState::kComplete));
+  bench.start(ball());
+  bench.machine.onIdle(bench.now);
+  bench.collect();
+  std::uint64_t payload = ball().base.size();
+  for (const auto& block : ball().blocks)
+    payload += block.size();
+  ASSERT_NE(bench.last<protocol::Acknowledge>(), nullptr);
+  EXPECT_EQ(bench.last<protocol::Acknowledge>()->bytes, payload);
+  const int before = bench.count<protocol::Acknowledge>();
+  bench.machine.onIdle(bench.now);
+  bench.collect();
+  EXPECT_EQ(bench.count<protocol::Acknowledge>(), before);
+}
+
+TEST(SessionMachine, StopsAtTheBaseMeshAndTakesNothingMore) {
+  Bench bench(untilState(MeshState::kBase));
+  bench.start(ball());
+  EXPECT_EQ(bench.machine.phase(), Phase::kDone);
+  EXPECT_EQ(bench.machine.state(), MeshState::kBase);
+  EXPECT_EQ(bench.machine.decoder().mesh().splitsHeld(), 0U);
+  EXPECT_EQ(bench.machine.bytes().levelBlocks, 0U);
+}
+
+TEST(SessionMachine, SettledCountsForTheNewestViewOnly) {
+  Bench bench(untilState(MeshState::kSettled));
+  bench.start(ball());
+  bench.view(1.0);
+  const std::uint32_t old = bench.last<protocol::Pose>()->id;
+  bench.now += 1000;
+  bench.view(2.0);
+  const std::uint32_t newest = bench.last<protocol::Pose>()->id;
+  ASSERT_NE(old, newest);
+  bench.say(protocol::Settled{0, old, protocol::Goal::kSettled});
+  EXPECT_EQ(bench.machine.phase(), Phase::kStreaming);
+  bench.say(protocol::Settled{0, newest, protocol::Goal::kExact});
+  EXPECT_EQ(bench.machine.phase(), Phase::kDone);
+  EXPECT_EQ(bench.machine.state(), MeshState::kExact);
+  EXPECT_TRUE(bench.machine.times().settledMs);
+  EXPECT_TRUE(bench.machine.times().exactMs);
+  EXPECT_FALSE(bench.machine.times().completeMs);
+}
+
+TEST(SessionMachine, AViewSetBeforeTheModelIsSentOnceItIsOpen) {
+  Bench bench;
+  bench.view(1.0);
+  EXPECT_EQ(bench.count<protocol::Pose>(), 0);
+  bench.openModel(ball());
+  EXPECT_EQ(bench.count<protocol::Pose>(), 1);
+}
+
+TEST(SessionMachine, BytesMeansWhatHasWhollyArrivedWithinThem) {
+  Bench whole(untilState(MeshState::kComplete));
+  whole.start(ball());
+  StopCondition stop;
+  stop.kind = StopCondition::Kind::kBytes;
+  stop.bytes = whole.machine.bytes().received + 10;
+  Bench bench(stop);
+  bench.start(ball());
+  EXPECT_EQ(bench.machine.phase(), Phase::kStreaming);
+  bench.say(ball().packets.front());
+  EXPECT_EQ(bench.machine.phase(), Phase::kDone);
+  EXPECT_LE(bench.machine.bytes().received, stop.bytes);
+  EXPECT_EQ(bench.machine.bytes().packets, 0U);
+
+  stop.bytes = 100;
+  Bench tooFew(stop);
+  tooFew.start(ball());
+  EXPECT_EQ(tooFew.machine.phase(), Phase::kFailed);
+}
+
+TEST(SessionMachine, SecondsEndTheSessionWithWhatIsThere) {
+  StopCondition stop;
+  stop.kind = StopCondition::Kind::kSeconds;
+  stop.seconds = 2.5;
+  Bench bench(stop);
+  bench.start(ball());
+  ASSERT_TRUE(bench.machine.wakeAtMs());
+  EXPECT_LE(*bench.machine.wakeAtMs(), 3500U);
+  bench.now = 3499;
+  bench.machine.onTimer(bench.now);
+  EXPECT_EQ(bench.machine.phase(), Phase::kStreaming);
+  bench.now = 3500;
+  bench.machine.onTimer(bench.now);
+  EXPECT_EQ(bench.machine.phase(), Phase::kDone);
+}
+
+TEST(SessionMachine, ResumesALostConnectionWithItsHaveSet) {
+  Bench bench(untilState(MeshState::kComplete));
+  bench.start(ball());
+  bench.view(1.0);
+  const std::uint32_t pose = bench.last<protocol::Pose>()->id;
+  bench.say(ball().packets.front());
+  const std::uint32_t held = bench.machine.decoder().mesh().splitsHeld();
+  bench.lose();
+  EXPECT_EQ(bench.machine.phase(), Phase::kWaiting);
+  EXPECT_FALSE(bench.machine.wantsConnection());
+  bench.sent.clear();
+  bench.wait();
+  EXPECT_TRUE(bench.machine.wantsConnection());
+  EXPECT_EQ(bench.machine.connectionNumber(), 2U);
+  bench.openModel(ball());
+  EXPECT_TRUE(bench.last<protocol::Open>()->resume);
+  ASSERT_NE(bench.last<protocol::HaveSet>(), nullptr);
+  EXPECT_TRUE(bench.last<protocol::HaveSet>()->base);
+  EXPECT_TRUE(bench.last<protocol::HaveSet>()->last);
+  EXPECT_GT(bench.last<protocol::Pose>()->id, pose);
+  EXPECT_EQ(bench.machine.decoder().mesh().splitsHeld(), held);
+  for (std::size_t i = 1; i < ball().packets.size(); ++i)
+    bench.say(ball().packets[i]);
+  EXPECT_EQ(bench.machine.phase(), Phase::kDone);
+  EXPECT_EQ(bench.machine.reconnects(), 1U);
+  EXPECT_TRUE(isWhole(ball(), bench.machine.decoder().mesh()));
+}
+
+TEST(SessionMachine, AnotherAssetAfterALossStartsAfresh) {
+  Bench bench(untilState(MeshState::kComplete));
+  bench.start(ball());
+  bench.lose();
+  bench.wait();
+  const SmallAsset other = makeSmallAsset(primitives::icosphere(3), 9);
+  bench.openModel(other);
+  const auto* have = bench.last<protocol::HaveSet>();
+  ASSERT_NE(have, nullptr);
+  EXPECT_FALSE(have->base);
+  EXPECT_TRUE(have->bits.empty());
+  EXPECT_EQ(have->asset, other.id);
+  bench.say(other.base);
+  for (const auto& block : other.blocks)
+    bench.say(block);
+  for (const auto& packet : other.packets)
+    bench.say(packet);
+  EXPECT_EQ(bench.machine.phase(), Phase::kDone);
+  EXPECT_TRUE(isWhole(other, bench.machine.decoder().mesh()));
+}
+
+TEST(SessionMachine, StaleDropsEverythingAndOpensAfresh) {
+  Bench bench(untilState(MeshState::kComplete));
+  bench.start(ball());
+  bench.lose();
+  bench.wait();
+  bench.openModel(ball());
+  bench.sent.clear();
+  bench.say(protocol::Failure{protocol::WireError::kStale, 0, "changed", 0});
+  EXPECT_FALSE(bench.machine.decoder().hasModel());
+  ASSERT_NE(bench.last<protocol::Open>(), nullptr);
+  EXPECT_FALSE(bench.last<protocol::Open>()->resume);
+  EXPECT_EQ(bench.machine.phase(), Phase::kOpening);
+}
+
+TEST(SessionMachine, AsksAgainForAModelThatIsNotReady) {
+  Bench bench;
+  bench.open();
+  bench.say(protocol::Welcome{1, "server"});
+  bench.say(protocol::Failure{protocol::WireError::kNotReady, 0, "preparing", 4000});
+  EXPECT_EQ(bench.machine.notice(), "preparing");
+  EXPECT_EQ(bench.count<protocol::Open>(), 1);
+  bench.wait();
+  EXPECT_EQ(bench.now, 5000U);
+  EXPECT_EQ(bench.count<protocol::Open>(), 2);
+}
+
+TEST(SessionMachine, ADrainingServerIsLeftForAsLongAsItAsks) {
+  Bench bench;
+  bench.start(ball());
+  bench.say(protocol::Failure{protocol::WireError::kDraining, -1, "bye", 3000});
+  EXPECT_EQ(bench.machine.phase(), Phase::kWaiting);
+  ASSERT_TRUE(bench.machine.wakeAtMs());
+  EXPECT_GE(*bench.machine.wakeAtMs(), bench.now + 3000);
+}
+
+TEST(SessionMachine, GivesUpWhatCannotGetBetter) {
+  using protocol::WireError;
+  for (const WireError code :
+       {WireError::kNotFound,
+        WireError::kVersion,
+        WireError::kLimit,
+        WireError::kBadMessage,
+        WireError::kState}) {
+    Bench bench;
+    bench.open();
+    bench.say(protocol::Welcome{1, "server"});
+    bench.say(protocol::Failure{code, -1, "no", 0});
+    EXPECT_EQ(bench.machine.phase(), Phase::kFailed) << protocol::nameOf(code);
+    ASSERT_TRUE(bench.machine.failure());
+    EXPECT_EQ(bench.machine.failure()->message, "no");
+    EXPECT_FALSE(bench.machine.wantsConnection());
+  }
+}
+
+TEST(SessionMachine, AServerThatWasNeverThereFailsAtOnce) {
+  Bench bench;
+  bench.lose();
+  EXPECT_EQ(bench.machine.phase(), Phase::kFailed);
+}
+
+TEST(SessionMachine, GivesUpALostServerAfterItsTime) {
+  Bench bench;
+  bench.start(ball());
+  bench.lose();
+  int tries = 0;
+  while (bench.machine.phase() == Phase::kWaiting && tries < 1000) {
+    bench.wait();
+    ++tries;
+    bench.lose();
+  }
+  EXPECT_EQ(bench.machine.phase(), Phase::kFailed);
+  EXPECT_GT(tries, 5);
+  EXPECT_LT(tries, 30);
+  EXPECT_LE(bench.now, 1000U + 30'000U);
+}
+
+TEST(SessionMachine, ADamagedStreamIsTriedThreeTimes) {
+  Bench bench(untilState(MeshState::kComplete));
+  bench.start(ball());
+  const std::vector<std::uint8_t> garbage(100, 0xAB);
+  int losses = 0;
+  while (bench.machine.phase() != Phase::kFailed && losses < 10) {
+    bench.say(garbage);
+    ++losses;
+    if (bench.machine.phase() == Phase::kFailed) break;
+    ASSERT_EQ(bench.machine.phase(), Phase::kWaiting);
+    bench.wait();
+    bench.openModel(ball());
+  }
+  EXPECT_EQ(losses, 3);
+}
+
+TEST(SessionMachine, SilenceIsALoss) {
+  Bench bench;
+  bench.start(ball());
+  bench.view(1.0);
+  bench.wait();  // nothing is said for the time that a server may be silent
+  EXPECT_EQ(bench.machine.phase(), Phase::kWaiting);
+  EXPECT_EQ(bench.now, 31'000U);
+}
+
+TEST(SessionMachine, WrongMessagesEndTheConnection) {
+  const std::vector<std::vector<std::uint8_t>> wrong = {
+      protocol::encodeMessage(protocol::Hello{1, "a client"}),
+      protocol::encodeMessage(protocol::Welcome{1, "again"}),
+      protocol::encodeMessage(protocol::Settled{7, 1, protocol::Goal::kExact}),
+      ball().info,
+      ball().base};
+  for (const auto& message : wrong) {
+    Bench bench;
+    bench.start(ball());
+    bench.say(message);
+    EXPECT_EQ(bench.machine.phase(), Phase::kWaiting);
+    EXPECT_TRUE(validate(bench.machine.decoder().mesh().mesh()));
+  }
+  Bench early;
+  early.open();
+  early.say(ball().base);
+  EXPECT_EQ(early.machine.phase(), Phase::kWaiting);
+}
+
+TEST(SessionMachine, DoesNotBelieveACompleteThatIsNone) {
+  Bench bench(untilState(MeshState::kComplete));
+  bench.start(ball());
+  bench.view(1.0);
+  bench.say(protocol::Settled{
+      0,
+      bench.machine.decoder().hasModel() ? bench.last<protocol::Pose>()->id : 0U,
+      protocol::Goal::kComplete});
+  EXPECT_EQ(bench.machine.phase(), Phase::kWaiting);
+}
+
+TEST(SessionMachine, RefusesAVersionItDidNotOffer) {
+  Bench bench;
+  bench.open();
+  bench.say(protocol::Welcome{2, "server"});
+  EXPECT_EQ(bench.machine.phase(), Phase::kFailed);
+}
+
+}  // namespace
+}  // namespace limn
