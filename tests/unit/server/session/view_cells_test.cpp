@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/view_cells.h"
+
+#include "tests/unit/server/session/test_model.h"
+
+#include "shared/core/rng.h"
+#include "shared/mesh/primitives.h"
+
+#include <set>
+
+namespace limn {
+namespace {
+
+const std::shared_ptr<const Model>& sphere() {
+  static const auto model = modelOf(primitives::icosphere(3));
+  return model;
+}
+
+TEST(ViewCellOf, NearPosesShareACellAndItsView) {
+  const auto& info = sphere()->info();
+  const ViewCell a = viewCellOf(poseAt(info, {0.1, 0.1, 1.0}, 3.0), info);
+  const ViewCell b = viewCellOf(poseAt(info, {0.11, 0.1, 1.0}, 3.05), info);
+  EXPECT_EQ(a.key, b.key);
+  EXPECT_EQ(a.view.eye, b.view.eye);
+  EXPECT_EQ(a.view.pixelsPerUnit, b.view.pixelsPerUnit);
+}
+
+TEST(ViewCellOf, WhatDiffersInNeedDiffersInCell) {
+  const auto& info = sphere()->info();
+  const protocol::Pose pose = poseAt(info, {0.1, 0.1, 1.0}, 3.0);
+  std::set<std::uint64_t> keys{viewCellOf(pose, info).key};
+  const auto expectNew = [&](const protocol::Pose& other) {
+    EXPECT_TRUE(keys.insert(viewCellOf(other, info).key).second);
+  };
+  expectNew(poseAt(info, {0.5, 0.1, 1.0}, 3.0));
+  expectNew(poseAt(info, {0.1, 0.1, -1.0}, 3.0));
+  expectNew(poseAt(info, {0.1, 0.1, 1.0}, 6.0));
+  protocol::Pose other = pose;
+  other.errorPx = 4.0F;
+  expectNew(other);
+  other = pose;
+  other.silhouette = protocol::Silhouette::kEdges;
+  expectNew(other);
+  other = pose;
+  other.orthoHeight = 2.0;
+  expectNew(other);
+  other = pose;
+  other.forward = glm::normalize(glm::dvec3(1.0, 0.0, -0.5));  // the model half out of view
+  expectNew(other);
+}
+
+TEST(ViewCellOf, ThePoseIsNearTheMiddleOfItsCell) {
+  const auto& info = sphere()->info();
+  Rng rng(3);
+  for (int i = 0; i < 500; ++i) {
+    const glm::dvec3 direction(rng.uniform() - 0.5, rng.uniform() - 0.5, rng.uniform() - 0.5);
+    const double distance = 1.5 + 5.0 * rng.uniform();
+    const protocol::Pose pose = poseAt(info, direction, distance);
+    const ViewCell cell = viewCellOf(pose, info);
+    const glm::dvec3 eye = sphere()->forest().grid.fromModel(pose.eye);
+    const glm::dvec3 center = sphere()->forest().grid.fromModel(info.center);
+    const double cosine =
+        glm::dot(glm::normalize(eye - center), glm::normalize(cell.view.eye - center));
+    EXPECT_GT(cosine, std::cos(glm::radians(5.0)));
+    const double ratio = glm::distance(cell.view.eye, center) / glm::distance(eye, center);
+    EXPECT_GT(ratio, 0.91);
+    EXPECT_LT(ratio, 1.1);
+  }
+}
+
+TEST(ViewCells, ComputesACellOnceAndSharesIt) {
+  ManualTasks tasks;
+  ViewCells cells(tasks, {});
+  const protocol::Pose pose = poseAt(sphere()->info(), {0, 0, 1});
+  const auto first = cells.cell(sphere(), pose);
+  const auto second = cells.cell(sphere(), pose);
+  EXPECT_EQ(first, second);
+  EXPECT_EQ(first->set, nullptr) << "still on its way";
+  EXPECT_EQ(tasks.runAll(), 1U);
+  ASSERT_NE(first->set, nullptr);
+  EXPECT_EQ(cells.cell(sphere(), pose)->set, first->set);
+  EXPECT_EQ(cells.cachedBytes(), first->set->bytes());
+}
+
+TEST(ViewCells, ForgetsTheLeastUsedBeyondItsBound) {
+  ManualTasks tasks;
+  ViewCells measure(tasks, {});
+  const auto one = measure.cell(sphere(), poseAt(sphere()->info(), {0, 0, 1}));
+  tasks.runAll();
+  const std::size_t bytes = one->set->bytes();
+  ViewCells cells(tasks, {.cacheBytes = 2 * bytes});
+  const std::vector<glm::dvec3> directions = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+  for (const glm::dvec3& direction : directions) {
+    static_cast<void>(cells.cell(sphere(), poseAt(sphere()->info(), direction)));
+    tasks.runAll();
+    // The first stays in use.
+    static_cast<void>(cells.cell(sphere(), poseAt(sphere()->info(), directions[0])));
+  }
+  EXPECT_EQ(cells.cachedBytes(), 2 * bytes);
+  EXPECT_EQ(tasks.pending(), 0U);
+  static_cast<void>(cells.cell(sphere(), poseAt(sphere()->info(), directions[0])));
+  EXPECT_EQ(tasks.pending(), 0U) << "kept";
+  static_cast<void>(cells.cell(sphere(), poseAt(sphere()->info(), directions[1])));
+  EXPECT_EQ(tasks.pending(), 1U) << "forgotten";
+}
+
+TEST(ViewCells, StartsOnlySoManyAtOnce) {
+  ManualTasks tasks;
+  ViewCells cells(tasks, {.maxPending = 1});
+  EXPECT_NE(cells.cell(sphere(), poseAt(sphere()->info(), {0, 0, 1})), nullptr);
+  EXPECT_EQ(cells.cell(sphere(), poseAt(sphere()->info(), {1, 0, 0})), nullptr);
+  tasks.runAll();
+  EXPECT_NE(cells.cell(sphere(), poseAt(sphere()->info(), {1, 0, 0})), nullptr);
+}
+
+TEST(ViewCells, ADroppedTicketIsNotComputed) {
+  ManualTasks tasks;
+  ViewCells cells(tasks, {});
+  const protocol::Pose pose = poseAt(sphere()->info(), {0, 0, 1});
+  auto ticket = cells.pose(sphere(), pose, ViewCells::Need::kExact);
+  ticket = nullptr;
+  tasks.runAll();
+  EXPECT_EQ(cells.computed(), 0U);
+  ticket = cells.pose(sphere(), pose, ViewCells::Need::kExact);
+  tasks.runAll();
+  EXPECT_EQ(cells.computed(), 1U);
+  EXPECT_NE(ticket->set, nullptr);
+}
+
+}  // namespace
+}  // namespace limn
