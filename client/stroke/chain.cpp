@@ -6,6 +6,8 @@
 // one to one; marks carry a frame number instead of being cleared.
 #include "client/stroke/chain.h"
 
+#include "shared/silhouette/trace.h"
+
 #include <algorithm>
 
 namespace limn {
@@ -102,104 +104,6 @@ void moveReversedToFront(PolylineSet& set, std::uint32_t begin, std::uint32_t mi
   moveReversedToFront(set.halfEdges, begin, middle);
   moveReversedToFront(set.faces, begin, middle);
 }
-
-// The point of the zero set on a crossed edge. From the front end always, so that both faces of the
-// edge would compute the same point.
-glm::vec3
-crossing(const glm::ivec3& front, float frontValue, const glm::ivec3& back, float backValue) {
-  const float t = frontValue / (frontValue - backValue);
-  return glm::vec3(front) + t * glm::vec3(back - front);
-}
-
-// The smooth silhouette's walk from face to face: out through the edge that leads from a back
-// vertex to a front vertex, which keeps the front to the left.
-class SmoothWalk {
- public:
-  SmoothWalk(const SilhouetteField& field, const glm::vec4& eye)
-      : field_(&field),
-        mesh_(&field.mesh()),
-        eye_(eye) {}
-
-  // Starts in a crossed face: finds the edges it is entered and left through. False if the face is
-  // not crossed.
-  bool start(FaceId f) {
-    entry = kNone;
-    exit = kNone;
-    float values[3];
-    for (std::uint32_t k = 0; k < 3; ++k)
-      values[k] = valueAt(3 * f + k);
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const float a = values[k];
-      const float b = values[(k + 1) % 3];
-      if (a > 0.0F && !(b > 0.0F)) entry = 3 * f + k, entryFront = a, entryBack = b;
-      if (!(a > 0.0F) && b > 0.0F) exit = 3 * f + k, exitFront = b, exitBack = a;
-    }
-    return entry != kNone;
-  }
-
-  // Into the face across the exit; false at a border.
-  bool advance() {
-    const HalfEdgeId across = mesh_->twins[exit];
-    if (across == kNone) return false;
-    entry = across;
-    entryFront = exitFront;
-    entryBack = exitBack;
-    const HalfEdgeId before = HalfEdgeMesh::prev(across);
-    const float apex = valueAt(before);
-    if (apex > 0.0F) {
-      exit = HalfEdgeMesh::next(across);
-      exitFront = apex;
-    } else {
-      exit = before;
-      exitBack = apex;
-    }
-    return true;
-  }
-
-  // Into the face across the entry; false at a border.
-  bool retreat() {
-    const HalfEdgeId across = mesh_->twins[entry];
-    if (across == kNone) return false;
-    exit = across;
-    exitFront = entryFront;
-    exitBack = entryBack;
-    const HalfEdgeId before = HalfEdgeMesh::prev(across);
-    const float apex = valueAt(before);
-    if (apex > 0.0F) {
-      entry = before;
-      entryFront = apex;
-    } else {
-      entry = HalfEdgeMesh::next(across);
-      entryBack = apex;
-    }
-    return true;
-  }
-
-  [[nodiscard]] FaceId face() const { return HalfEdgeMesh::face(exit); }
-
-  [[nodiscard]] glm::vec3 entryPoint() const {
-    return crossing(at(mesh_->origin(entry)), entryFront, at(mesh_->target(entry)), entryBack);
-  }
-
-  [[nodiscard]] glm::vec3 exitPoint() const {
-    return crossing(at(mesh_->target(exit)), exitFront, at(mesh_->origin(exit)), exitBack);
-  }
-
- private:
-  [[nodiscard]] float valueAt(HalfEdgeId h) const { return field_->value(mesh_->origins[h], eye_); }
-
-  [[nodiscard]] const glm::ivec3& at(std::uint32_t v) const { return field_->positions()[v]; }
-
-  const SilhouetteField* field_;
-  const HalfEdgeMesh* mesh_;
-  glm::vec4 eye_;
-  HalfEdgeId entry = kNone;  // front → back
-  HalfEdgeId exit = kNone;   // back → front
-  float entryFront = 0.0F;
-  float entryBack = 0.0F;
-  float exitFront = 0.0F;
-  float exitBack = 0.0F;
-};
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include "shared/core/assert.h"
 #include "shared/silhouette/brute_force.h"
 #include "shared/silhouette/cones.h"
+#include "shared/silhouette/precomputed.h"
 
 #include <algorithm>
 #include <array>
@@ -55,9 +56,8 @@ makeDetector(DetectorMethod method, const SilhouetteField& field, const Detector
       return std::make_unique<BruteForceDetector>(field, options);
     case DetectorMethod::kCones:
       return std::make_unique<ConesDetector>(field, options);
-    // Until it lands, the oracle stands in: complete, only slower.
     case DetectorMethod::kPrecomputed:
-      return std::make_unique<BruteForceDetector>(field, options);
+      return std::make_unique<PrecomputedDetector>(field, options);
   }
   LIMN_ASSERT(false);
   return nullptr;
