@@ -100,6 +100,9 @@ class SmoothWalk {
 
   [[nodiscard]] FaceId face() const { return HalfEdgeMesh::face(exit_); }
 
+  /// The front vertex of the edge it is left through.
+  [[nodiscard]] std::uint32_t frontVertex() const { return mesh_->target(exit_); }
+
   /// Where the silhouette enters and leaves the face, grid units: the zero of the values' linear
   /// interpolation on the edge, always measured from the front end, so that both faces of an edge
   /// have the same point to the last bit.
