@@ -21,6 +21,8 @@ constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
 constexpr std::uint32_t kBinaryChunk = 0x004E4942;
 /// Geometry needs five levels; extras may nest more, parsers' stacks end somewhere.
 constexpr int kMaxDepth = 64;
+/// Parsed JSON takes up to 25 times its text: hundreds of thousands of nodes are enough.
+constexpr std::size_t kMaxValues = 4'000'000;
 
 struct Chunks {
   std::string_view text;
@@ -137,13 +139,19 @@ Result<std::string> preflightGltf(std::string_view bytes) {
   const auto chunks = splitContainer(bytes);
   if (!chunks) return tl::unexpected(chunks.error());
   bool tooDeep = false;
+  std::size_t values = 0;
   const auto keep = [&](int depth, json::parse_event_t event, json& parsed) {
     tooDeep = tooDeep || depth > kMaxDepth;
-    if (tooDeep) return false;
+    if (tooDeep || ++values > kMaxValues) return false;
     return event != json::parse_event_t::key || !isIrrelevant(parsed.get_ref<const std::string&>());
   };
   json document = json::parse(chunks->text.begin(), chunks->text.end(), keep, false);
   if (tooDeep) return corrupt("the JSON is nested without end");
+  if (values > kMaxValues) {
+    return fail(
+        ErrorCode::kLimitExceeded,
+        "more than 4 million JSON values: keep geometry in binary buffers, or split the model");
+  }
   if (document.is_discarded() || !document.is_object()) return corrupt("the JSON cannot be parsed");
   if (const auto required = document.find("extensionsRequired"); required != document.end()) {
     if (!required->is_array()) return corrupt("\"extensionsRequired\" is not a list");

@@ -7,6 +7,7 @@
 #include "server/preprocess/repair_steps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace limn::repair {
@@ -182,18 +183,30 @@ std::vector<std::uint32_t> crowdedEdges(const EdgeGroups& groups, const Fans& fa
 /// Links border half-edges that ended up as the two sides of one edge: a fan cut open and closed on
 /// itself. HalfEdgeMesh::build would link them too.
 void closeSeams(const EdgeGroups& groups, const Fans& fans, std::vector<HalfEdgeId>& twins) {
+  struct Border {
+    std::uint32_t low;
+    std::uint32_t high;
+    HalfEdgeId halfEdge;
+  };
+
+  std::vector<Border> borders;
   for (std::uint32_t g = 0; g < groups.size(); ++g) {
     const auto group = groups[g];
     if (group.size() < 2) continue;
+    borders.clear();
     for (const HalfEdgeId h : group) {
-      for (const HalfEdgeId other : group) {
-        if (twins[h] == kNone && twins[other] == kNone &&
-            fans.origins[h] == fans.origins[next(other)] &&
-            fans.origins[other] == fans.origins[next(h)]) {
-          twins[h] = other;
-          twins[other] = h;
-        }
-      }
+      if (twins[h] != kNone) continue;
+      const auto [low, high] = std::minmax(fans.origins[h], fans.origins[next(h)]);
+      borders.push_back({low, high, h});
+    }
+    std::sort(borders.begin(), borders.end(), [](const Border& a, const Border& b) {
+      return std::array{a.low, a.high, a.halfEdge} < std::array{b.low, b.high, b.halfEdge};
+    });
+    // No edge is crowded any more: at most two share both ends, in opposite directions.
+    for (std::size_t i = 1; i < borders.size(); ++i) {
+      if (borders[i - 1].low != borders[i].low || borders[i - 1].high != borders[i].high) continue;
+      twins[borders[i - 1].halfEdge] = borders[i].halfEdge;
+      twins[borders[i].halfEdge] = borders[i - 1].halfEdge;
     }
   }
 }
