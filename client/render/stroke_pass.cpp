@@ -107,6 +107,7 @@ Result<void> StrokePass::findVisibility(const SpineSamples& samples, const gl::T
   testProgram_.use();
   testProgram_.set("samples", 0);
   testProgram_.set("depthMap", 1);
+  testProgram_.set("freeNeighbours", kFreeNeighbours);
   gl::bindTexture(*api_, 0, sampleTexture_);
   gl::bindTexture(*api_, 1, depth);
   tested_.bind();

@@ -109,6 +109,7 @@ Result<StrokeStyle> parseStyle(std::string_view text) {
         {"pool", number(style.pool, 0.0F, 2.0F)},
         {"crease_width", number(style.creaseWidth, 0.1F, 2.0F)},
         {"smooth_px", number(style.smoothPx, 0.0F, 8.0F)},
+        {"crease_fade", number(style.creaseFade, 0.0F, 16.0F)},
         {"fade_below_px", number(style.fadeBelowPx, 0.0F, 256.0F)},
         {"fade_hidden_below_px", number(style.fadeHiddenBelowPx, 0.0F, 256.0F)}}},
       {"visible", textureReaders(style.visible)},

@@ -29,6 +29,7 @@ struct StrokeStyle {
   float smoothPx = 1.0F;      // standard deviation of smoothing along the line; 0: none
   float fadeBelowPx = 6.0F;   // lines whose extent is below this fade away, from twice this on
   float fadeHiddenBelowPx = 16.0F;  // the same for their hidden parts
+  float creaseFade = 2.0F;  // both of these limits are this many times higher for creases and seams
   StrokeTexture visible;
   StrokeTexture hidden;
   glm::vec3 paper{1.0F};  // sRGB 0 … 1

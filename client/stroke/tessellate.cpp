@@ -76,8 +76,10 @@ class StripBuilder {
     hiddenPerPx_ = repeatsPerPx(style_.hidden.lengthPx * scale, spine.closed);
     start_ = startOfTexture(lines, spine);
     const float extent = extentOf(spines, spine);
-    visibleFade_ = fade(extent, style_.fadeBelowPx);
-    hiddenFade_ = fade(extent, style_.fadeHiddenBelowPx);
+    // Short creases are mostly noise of a scan.
+    const float limit = isThin ? style_.creaseFade : 1.0F;
+    visibleFade_ = fade(extent, limit * style_.fadeBelowPx);
+    hiddenFade_ = fade(extent, limit * style_.fadeHiddenBelowPx);
     if (visibleFade_ <= 0.0F && hiddenFade_ <= 0.0F) return;
 
     collectStations(spines, arcs, spine);

@@ -3,8 +3,9 @@
 // §3.4: the depth texture is asked at the spine and its eight neighbours, and the whole width of a
 // stroke shares the answer.
 // Deviations: of a silhouette only the neighbours on its outward side are asked, since those on the
-// other see its own surface rise towards the eye; concave silhouettes are hidden by rule; the bias
-// follows the slope of the surface; answers are filtered along the spine.
+// other see its own surface rise towards the eye; three of them must be free, since one or two are
+// past the outline of a surface just before the line; concave silhouettes are hidden by rule; the
+// bias follows the slope of the surface; answers are filtered along the spine.
 #include "client/stroke/visibility.h"
 
 #include <algorithm>
@@ -22,15 +23,17 @@ std::vector<std::uint8_t> testSamples(
     const SpineSample& sample = samples[i];
     if (sample.bias < 0.0F) continue;
     const glm::ivec2 centre(glm::floor(sample.position * size));
+    int free = 0;
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const glm::vec2 aside(static_cast<float>(dx), static_cast<float>(dy));
         if (glm::dot(aside, sample.outward) < -0.1F) continue;
         const int x = std::clamp(centre.x + dx, 0, depth.width - 1);
         const int y = std::clamp(centre.y + dy, 0, depth.height - 1);
-        if (depth.at(x, y) >= sample.depth - sample.bias) visible[i] = 1;
+        if (depth.at(x, y) >= sample.depth - sample.bias) ++free;
       }
     }
+    visible[i] = free >= kFreeNeighbours ? 1 : 0;
   }
   return visible;
 }
@@ -67,13 +70,15 @@ segmentVisibility(const PolylineSet& lines, const LineScene& scene, const DepthI
   if (depth.width < 1 || depth.height < 1) return visible;
   const SpineSet spines = projectLines(lines, scene);
   const SpineSamples samples = sampleSpines(spines, measureSpines(spines), lines, scene);
-  const std::vector<float> visibility = sampleVisibility(samples, depth);
+  // Unfiltered: the filter is for the eye, which wants no speckles; this answer is for those who
+  // want to know.
+  const std::vector<std::uint8_t> visibility = testSamples(samples.samples, depth);
   std::vector<float> sums(lines.points.size(), 0.0F);
   std::vector<std::uint32_t> counts(lines.points.size(), 0);
   for (std::size_t i = 0; i < visibility.size(); ++i) {
     const glm::vec2 p = samples.samples[i].position;
     const bool isInside = p.x >= 0.0F && p.x < 1.0F && p.y >= 0.0F && p.y < 1.0F;
-    sums[samples.source[i]] += isInside ? visibility[i] : 0.0F;
+    sums[samples.source[i]] += isInside && visibility[i] != 0 ? 1.0F : 0.0F;
     ++counts[samples.source[i]];
   }
   for (const PolylineSet::Line& line : lines.lines) {

@@ -25,16 +25,19 @@ inline constexpr int kVisibilityFilterRadius = 5;
     const SpineSamples& samples,
     const DepthImage& depth);
 
-/// The test alone: 1 visible, 0 hidden. A sample is hidden when every one of the depth image's
-/// pixels around it (of a silhouette: those on its outward side) holds a surface nearer than the
-/// line by more than its bias. Threads: reentrant.
+/// How many of the depth image's pixels around a sample must hold no surface before it.
+inline constexpr int kFreeNeighbours = 3;
+
+/// The test alone: 1 visible, 0 hidden. A pixel is free when it holds no surface nearer than the
+/// line by more than its bias; a sample is visible when kFreeNeighbours of the nine pixels at and
+/// around it are (of a silhouette: of those on its outward side). Threads: reentrant.
 [[nodiscard]] std::vector<std::uint8_t> testSamples(
     std::span<const SpineSample> samples,
     const DepthImage& depth);
 
-/// Per-segment visibility: one entry a point, 1 if most of the segment that starts there is visible
-/// (0 for the last point of an open line, and for segments outside the picture).
-/// depth: see sampleVisibility (Frame::depth). Cost: O(length in pixels).
+/// Per-segment visibility, by the test alone: one entry a point, 1 if most of the segment that
+/// starts there is visible (0 for the last point of an open line, and for segments outside the
+/// picture). depth: see sampleVisibility (Frame::depth). Cost: O(length in pixels).
 [[nodiscard]] std::vector<std::uint8_t>
 segmentVisibility(const PolylineSet& lines, const LineScene& scene, const DepthImage& depth);
 

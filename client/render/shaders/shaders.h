@@ -52,6 +52,7 @@ precision highp float;
 precision highp int;
 uniform highp sampler2D samples;  // two texels a sample, see SpineSample
 uniform highp sampler2D depthMap;
+uniform int freeNeighbours;
 out float visible;
 void main() {
   ivec2 cell = ivec2(gl_FragCoord.xy);
@@ -62,13 +63,15 @@ void main() {
   ivec2 size = textureSize(depthMap, 0);
   ivec2 centre = ivec2(floor(place.xy * vec2(size)));
   float limit = place.z - place.w;
+  int free = 0;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
       if (dot(vec2(float(dx), float(dy)), outward) < -0.1) continue;
       ivec2 texel = clamp(centre + ivec2(dx, dy), ivec2(0), size - 1);
-      if (texelFetch(depthMap, ivec2(texel.x, size.y - 1 - texel.y), 0).r >= limit) visible = 1.0;
+      if (texelFetch(depthMap, ivec2(texel.x, size.y - 1 - texel.y), 0).r >= limit) ++free;
     }
   }
+  visible = free >= freeNeighbours ? 1.0 : 0.0;
 }
 )";
 

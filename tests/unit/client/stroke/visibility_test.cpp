@@ -77,6 +77,7 @@ TEST(Visibility, ASilhouetteAsksOnlyItsOutwardSide) {
   for (SpineSample& sample : samples.samples)
     sample.outward = {1.0F, 0.0F};
   std::vector<std::uint8_t> visible = testSamples(samples.samples, wall(100, 50, 100));
+  EXPECT_EQ(visible[48], 1);
   EXPECT_EQ(visible[49], 1);  // its own column is free
   EXPECT_EQ(visible[50], 0);
   for (SpineSample& sample : samples.samples)
