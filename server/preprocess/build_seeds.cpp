@@ -185,9 +185,12 @@ Result<SeedTable> buildSeeds(
   const auto linked =
       HalfEdgeMesh::build(static_cast<std::uint32_t>(mesh.positions.size()), mesh.triangles);
   if (!linked) return tl::unexpected(linked.error().within("seeds"));
+  const bool isClosed =
+      std::find(linked->twins.begin(), linked->twins.end(), kNone) == linked->twins.end();
+  const BackFaces backFaces = isClosed ? BackFaces::kLeftOut : BackFaces::kDrawn;
   const auto context = createOffscreenContext();
   if (!context) return tl::unexpected(context.error().within("seeds"));
-  const auto renderer = FaceImageRenderer::create(**context, mesh, options.imageSize);
+  const auto renderer = FaceImageRenderer::create(**context, mesh, options.imageSize, backFaces);
   if (!renderer) return tl::unexpected(renderer.error().within("seeds"));
 
   SeedFinder finder(*linked, mesh.positions);

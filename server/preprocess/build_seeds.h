@@ -15,7 +15,7 @@ struct SeedOptions {
   int azimuths = 8;                // viewpoints round the y axis
   int elevations = 5;              // and rings of them, evenly between the poles
   double distanceRadii = 3.0;      // of a viewpoint from the model's centre
-  int imageSize = 512;             // pixels a side of the pictures that visibility is read from
+  int imageSize = 384;             // pixels a side of the pictures that visibility is read from
   std::uint32_t seedsPerLoop = 3;  // of a long loop; short ones get fewer
   std::uint32_t seedsPerView = 96;
 };

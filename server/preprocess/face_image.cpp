@@ -32,11 +32,15 @@ void main() {
 
 }  // namespace
 
-Result<FaceImageRenderer>
-FaceImageRenderer::create(const OffscreenContext& context, const TriangleMesh& mesh, int size) {
+Result<FaceImageRenderer> FaceImageRenderer::create(
+    const OffscreenContext& context,
+    const TriangleMesh& mesh,
+    int size,
+    BackFaces backFaces) {
   const gl::Api& api = context.api();
   FaceImageRenderer renderer;
   renderer.api_ = &api;
+  renderer.backFaces_ = backFaces;
   auto program = gl::Program::build(api, "face image", kVertexShader, kFragmentShader);
   if (!program) return tl::unexpected(program.error());
   renderer.program_ = *std::move(program);
@@ -76,6 +80,11 @@ FaceImage FaceImageRenderer::render(const glm::dmat4& clipFromGrid) const {
   api.depthMask(GL_TRUE);
   api.enable(GL_DEPTH_TEST);
   api.depthFunc(GL_LESS);
+  if (backFaces_ == BackFaces::kLeftOut) {
+    api.enable(GL_CULL_FACE);  // GL's defaults: counter-clockwise is front, back is culled
+  } else {
+    api.disable(GL_CULL_FACE);
+  }
   api.disable(GL_BLEND);
   api.disable(GL_DITHER);
   api.clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);

@@ -27,12 +27,16 @@ struct FaceImage {
   }
 };
 
+/// Whether faces seen from behind are drawn. Leaving them out is right for closed meshes seen from
+/// outside, and half the work.
+enum class BackFaces { kDrawn, kLeftOut };
+
 /// Draws face-id images of one mesh. Threads: the context's.
 class FaceImageRenderer {
  public:
   /// `context` must outlive it. size: pixels a side. Errors: kUnavailable, kLimitExceeded.
   [[nodiscard]] static Result<FaceImageRenderer>
-  create(const OffscreenContext& context, const TriangleMesh& mesh, int size);
+  create(const OffscreenContext& context, const TriangleMesh& mesh, int size, BackFaces backFaces);
 
   /// clipFromGrid: of the whole mesh, grid units. Cost: some 0.1 µs a face.
   [[nodiscard]] FaceImage render(const glm::dmat4& clipFromGrid) const;
@@ -44,6 +48,7 @@ class FaceImageRenderer {
   gl::VertexArray vertexArray_;
   gl::Buffer corners_;
   GLsizei cornerCount_ = 0;
+  BackFaces backFaces_ = BackFaces::kDrawn;
 };
 
 }  // namespace limn

@@ -74,7 +74,7 @@ VisibilityJudge::VisibilityJudge(
       view_(view),
       slack_(static_cast<float>(0.01 * radius)) {
   computeDepth(faces);
-  findEdges(faces, radius);
+  findEdges(radius);
 }
 
 // Intersects each pixel's ray with the plane of its face, clamped to the distances of its corners:
@@ -87,14 +87,22 @@ void VisibilityJudge::computeDepth(const SilhouetteField& faces) {
   const glm::dvec3 eye = view_.silhouette.eye;
   const glm::vec4 relativeEye = faces.eyeOf(view_.silhouette);
   const int size = image_->size;
+  // On the far plane, pixels are evenly spaced.
+  const auto onFarPlane = [&](double x, double y) {
+    const glm::dvec4 far =
+        gridFromClip * glm::dvec4(x / size * 2.0 - 1.0, y / size * 2.0 - 1.0, 1.0, 1.0);
+    return glm::dvec3(far) / far.w - eye;
+  };
+  const glm::vec3 corner(onFarPlane(0.5, 0.5));
+  const glm::vec3 stepX(onFarPlane(1.5, 0.5) - onFarPlane(0.5, 0.5));
+  const glm::vec3 stepY(onFarPlane(0.5, 1.5) - onFarPlane(0.5, 0.5));
+  const glm::vec3 gridEye(eye);
   for (int y = 0; y < size; ++y) {
     for (int x = 0; x < size; ++x) {
       const FaceId f = image_->at(x, y);
       if (f == kNone) continue;
-      const glm::dvec4 far =
-          gridFromClip *
-          glm::dvec4((x + 0.5) / size * 2.0 - 1.0, (y + 0.5) / size * 2.0 - 1.0, 1.0, 1.0);
-      const glm::vec3 ray(glm::normalize(glm::dvec3(far) / far.w - eye));
+      const glm::vec3 ray =
+          glm::normalize(corner + static_cast<float>(x) * stepX + static_cast<float>(y) * stepY);
       const glm::vec4& plane = faces.planes()[f];
       const float slope = glm::dot(glm::vec3(plane), ray);
       const float length = glm::length(glm::vec3(plane));
@@ -102,8 +110,7 @@ void VisibilityJudge::computeDepth(const SilhouetteField& faces) {
       float farthest = 0.0F;
       const glm::uvec3& t = faces.mesh().triangles()[f];
       for (int k = 0; k < 3; ++k) {
-        const auto distance =
-            static_cast<float>(glm::length(glm::dvec3(faces.positions()[t[k]]) - eye));
+        const float distance = glm::length(glm::vec3(faces.positions()[t[k]]) - gridEye);
         nearest = std::min(nearest, distance);
         farthest = std::max(farthest, distance);
       }
@@ -117,7 +124,7 @@ void VisibilityJudge::computeDepth(const SilhouetteField& faces) {
   }
 }
 
-void VisibilityJudge::findEdges(const SilhouetteField&, double radius) {
+void VisibilityJudge::findEdges(double radius) {
   const int size = image_->size;
   cv::Mat shade(size, size, CV_8U, cv::Scalar(0));
   cv::Mat depth(size, size, CV_8U, cv::Scalar(255));

@@ -63,7 +63,7 @@ class VisibilityJudge {
   }
 
   void computeDepth(const SilhouetteField& faces);
-  void findEdges(const SilhouetteField& faces, double radius);
+  void findEdges(double radius);
 
   const FaceImage* image_;
   const SilhouetteField* faces_;
