@@ -49,6 +49,7 @@ void SessionMachine::start(std::uint64_t nowMs) {
 
 void SessionMachine::onOpen(std::uint64_t nowMs) {
   if (phase_ != Phase::kConnecting) return;
+  ++opened_;
   if (!times_.connectMs) times_.connectMs = static_cast<double>(nowMs - startMs_);
   lastHeardMs_ = nowMs;
   taken_ = 0;

@@ -88,9 +88,8 @@ class SessionMachine {
 
   [[nodiscard]] const StateTimes& times() const { return times_; }
 
-  [[nodiscard]] std::uint32_t reconnects() const {
-    return connections_ == 0 ? 0 : connections_ - 1;
-  }
+  /// Connections that came about after the first one.
+  [[nodiscard]] std::uint32_t reconnects() const { return opened_ == 0 ? 0 : opened_ - 1; }
 
   /// Set in kFailed.
   [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
@@ -130,7 +129,8 @@ class SessionMachine {
   Rng jitter_;
 
   std::uint64_t startMs_ = 0;
-  std::uint32_t connections_ = 0;
+  std::uint32_t connections_ = 0;  // asked for
+  std::uint32_t opened_ = 0;
   bool everWelcomed_ = false;
   std::optional<MeshState> settledAs_;  // what the server said about the newest pose
   std::uint64_t taken_ = 0;             // payload bytes of this connection

@@ -99,7 +99,7 @@ class LwsConnection final : public Connection {
     info.ietf_version_or_minus_one = -1;
     if (options_.url.tls) info.ssl_connection = LCCSCF_USE_SSL;
     info.pwsi = &wsi_;
-    if (lws_client_connect_via_info(&info) == nullptr) lost("cannot connect");
+    if (lws_client_connect_via_info(&info) == nullptr) lost(describeConnectError({}));
   }
 
   int on(lws* wsi, lws_callback_reasons reason, void* in, std::size_t length) {

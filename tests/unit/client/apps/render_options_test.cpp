@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/render_options.h"
+
+#include <gtest/gtest.h>
+
+namespace limn {
+namespace {
+
+std::vector<std::string> words(const std::string& line) {
+  std::vector<std::string> result;
+  std::string word;
+  for (const char c : line + " ") {
+    if (c != ' ') {
+      word += c;
+    } else if (!word.empty()) {
+      result.push_back(word);
+      word.clear();
+    }
+  }
+  return result;
+}
+
+Result<CommandLine> parse(const std::string& line) {
+  return parseCommandLine(words(line));
+}
+
+TEST(RenderOptions, UnderstandsEveryFlag) {
+  const auto line = parse(
+      "render --server ws://h:1 --model dragon --token-file t --camera orbit:10,20,4 --fov 50 "
+      "--ortho "
+      "--size 640x480 --until bytes:5000 --error-px 2 --draw shaded --detector precomputed "
+      "--silhouette edges --features crease,seam --style ink --width 2.5 --hidden off --gl osmesa "
+      "--frames 3 --out a.png --report r.json --dump-mesh m.ply --dump-lines l.json --check "
+      "--reference ref --brush none");
+  ASSERT_TRUE(line) << line.error().message;
+  ASSERT_TRUE(line->render);
+  const RenderCommandOptions& o = *line->render;
+  EXPECT_EQ(o.source.serverUrl, "ws://h:1");
+  EXPECT_EQ(o.source.model, "dragon");
+  EXPECT_EQ(o.orbit->distanceRadii, 4.0);
+  EXPECT_EQ(*o.fovDegrees, 50.0);
+  EXPECT_TRUE(o.orthographic);
+  EXPECT_EQ(o.viewport.width, 640);
+  EXPECT_EQ(o.viewport.height, 480);
+  EXPECT_EQ(o.until->kind, StopCondition::Kind::kBytes);
+  EXPECT_EQ(o.until->bytes, 5000U);
+  EXPECT_EQ(o.errorPx, 2.0);
+  EXPECT_EQ(o.draw, DrawMode::kShaded);
+  EXPECT_EQ(o.detector, DetectorMethod::kPrecomputed);
+  EXPECT_EQ(o.detectorName, "precomputed");
+  EXPECT_EQ(o.silhouette, SilhouetteKind::kEdges);
+  EXPECT_TRUE(o.features.crease && o.features.seam && !o.features.border);
+  EXPECT_EQ(o.style, "ink");
+  EXPECT_EQ(*o.widthPx, 2.5);
+  EXPECT_EQ(o.hidden, HiddenLines::kOff);
+  EXPECT_EQ(o.gl, GlBackend::kOsmesa);
+  EXPECT_EQ(o.frames, 3U);
+  EXPECT_TRUE(o.check);
+}
+
+TEST(RenderOptions, ExactIsDoneByCones) {
+  const auto line = parse("render --asset a --out x.png");
+  ASSERT_TRUE(line);
+  EXPECT_EQ(line->render->detector, DetectorMethod::kCones);
+  EXPECT_EQ(line->render->detectorName, "exact");
+}
+
+TEST(RenderOptions, HelpHasExamplesAndVersionANumber) {
+  for (const char* line : {"--help", "render --help"}) {
+    const auto help = parse(line);
+    ASSERT_TRUE(help) << help.error().message;
+    EXPECT_FALSE(help->render);
+    EXPECT_NE(help->print.find("Examples:"), std::string::npos);
+  }
+  EXPECT_EQ(parse("--version")->print.rfind("limn-client ", 0), 0U);
+}
+
+TEST(RenderOptions, WrongUsageGetsOneLine) {
+  for (const char* line :
+       {"",
+        "draw",
+        "render",
+        "render --out x.png",
+        "render --asset a",
+        "render --bogus",
+        "render --asset a --mesh b --out x.png",
+        "render --server ws://h:1 --out x.png",
+        "render --server h:1 --model m --out x.png",
+        "render --asset a --model m --out x.png",
+        "render --asset a --token-file t --out x.png",
+        "render --server ws://h:1 --model a/b --out x.png",
+        "render --asset a --out x.png --camera 30,20",
+        "render --asset a --out x.png --fov 0",
+        "render --asset a --out x.png --fov wide",
+        "render --asset a --out x.png --size 0x10",
+        "render --asset a --out x.png --size 10",
+        "render --asset a --out x.png --size 10x10x10",
+        "render --asset a --out x.png --until soon",
+        "render --asset a --out x.png --until bytes:0",
+        "render --asset a --out x.png --until seconds:-1",
+        "render --asset a --out x.png --until partial",
+        "render --asset a --out x.png --error-px 0",
+        "render --asset a --out x.png --draw magic",
+        "render --asset a --out x.png --detector magic",
+        "render --asset a --out x.png --silhouette thin",
+        "render --asset a --out x.png --features ridge",
+        "render --asset a --out x.png --features ,",
+        "render --asset a --out x.png --hidden maybe",
+        "render --asset a --out x.png --gl vulkan",
+        "render --asset a --out x.png --width -1",
+        "render --asset a --out x.png --brush broom",
+        "render --asset a --out x.png --frames 0",
+        "render --asset a --out x.png --path spiral",
+        "render --asset a --out x.png --path orbit --frames 3",
+        "render --asset a --out x.png --reference r",
+        "render --asset a --out",
+        "render --asset a --out x.png --camera orbit:1,2 --camera-file c.json",
+        "render --mesh a --out x.png --quantization 9"}) {
+    const auto parsed = parse(line);
+    ASSERT_FALSE(parsed) << line;
+    EXPECT_EQ(parsed.error().code, ErrorCode::kInvalidArgument) << line;
+    EXPECT_EQ(parsed.error().message.find('\n'), std::string::npos) << parsed.error().message;
+  }
+}
+
+TEST(RenderOptions, WhatComesLaterIsSaidSo) {
+  for (const char* line :
+       {"view --asset a",
+        "sweep --asset a --frames 400",
+        "render --asset a --out x.png --draw clip",
+        "render --asset a --out x.png --draw image-precision:charcoal",
+        "render --asset a --out x.png --detector coherence-a",
+        "render --asset a --svg x.svg",
+        "render --asset a --out x.png --light 1,2,3",
+        "render --asset a --out x.png --brush charcoal",
+        "render --asset a --out x.png --hull-faces 500"}) {
+    const auto parsed = parse(line);
+    ASSERT_FALSE(parsed) << line;
+    EXPECT_EQ(parsed.error().code, ErrorCode::kUnsupported) << line;
+    EXPECT_NE(parsed.error().message.find("is not in this release"), std::string::npos) << line;
+  }
+}
+
+TEST(RenderOptions, FramesGetTheirNumbers) {
+  EXPECT_EQ(framePath("f%04d.png", 7), "f0007.png");
+  EXPECT_EQ(framePath("f%d.png", 12), "f12.png");
+  EXPECT_EQ(framePath("%02d/%02d.png", 123), "123/%02d.png");
+  EXPECT_EQ(framePath("plain.png", 3), "plain.png");
+  for (const char* hostile : {"%n", "%s%s", "%04x", "%", "100%", "%0d"}) {
+    EXPECT_FALSE(hasFrameNumber(hostile)) << hostile;
+    EXPECT_EQ(framePath(hostile, 1), hostile);
+  }
+}
+
+}  // namespace
+}  // namespace limn

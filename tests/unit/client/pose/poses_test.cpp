@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/pose/camera_file.h"
+#include "client/pose/orbit.h"
+#include "client/pose/orbit_path.h"
+
+#include <gtest/gtest.h>
+
+namespace limn {
+namespace {
+
+TEST(Orbit, ReadsTwoOrThreeNumbers) {
+  const auto two = parseOrbit("orbit:30,-20.5");
+  ASSERT_TRUE(two);
+  EXPECT_EQ(two->azimuthDegrees, 30.0);
+  EXPECT_EQ(two->elevationDegrees, -20.5);
+  EXPECT_EQ(two->distanceRadii, 3.0);
+  EXPECT_EQ(parseOrbit("orbit:0,90,0.6")->distanceRadii, 0.6);
+}
+
+TEST(Orbit, RefusesEverythingElseWithAnExample) {
+  for (const char* text :
+       {"",
+        "30,20",
+        "orbit:",
+        "orbit:30",
+        "orbit:30,",
+        "orbit:,20",
+        "orbit:a,b",
+        "orbit:30,20,3,4",
+        "orbit:30,91",
+        "orbit:30,20,0",
+        "orbit:30,20,-1",
+        "orbit:nan,0",
+        "orbit:inf,0",
+        "orbit:30 ,20",
+        "orbit:1e999,0"}) {
+    const auto orbit = parseOrbit(text);
+    ASSERT_FALSE(orbit) << text;
+    EXPECT_NE(orbit.error().message.find("orbit:30,20,3"), std::string::npos);
+  }
+}
+
+TEST(CameraFile, ReadsEveryField) {
+  const auto camera =
+      parseCamera(R"({"eye":[1,2,3],"target":[0,0.5,0],"up":[0,0,1],"fov":55,"ortho":true})");
+  ASSERT_TRUE(camera) << camera.error().message;
+  EXPECT_EQ(camera->eye, glm::dvec3(1.0, 2.0, 3.0));
+  EXPECT_EQ(camera->target, glm::dvec3(0.0, 0.5, 0.0));
+  EXPECT_EQ(camera->up, glm::dvec3(0.0, 0.0, 1.0));
+  EXPECT_EQ(camera->fovDegrees, 55.0);
+  EXPECT_TRUE(camera->orthographic);
+  const auto least = parseCamera(R"({"eye":[0,0,3],"target":[0,0,0]})");
+  ASSERT_TRUE(least);
+  EXPECT_EQ(least->up, glm::dvec3(0.0, 1.0, 0.0));
+  EXPECT_EQ(least->fovDegrees, 40.0);
+}
+
+TEST(CameraFile, RefusesWhatIsNoCamera) {
+  for (const char* text :
+       {"",
+        "[]",
+        "{",
+        R"({"eye":[0,0,3]})",
+        R"({"eye":[0,0],"target":[0,0,0]})",
+        R"({"eye":"x","target":[0,0,0]})",
+        R"({"eye":[0,0,null],"target":[0,0,0]})",
+        R"({"eye":[0,0,0],"target":[0,0,0]})",
+        R"({"eye":[0,3,0],"target":[0,0,0]})",
+        R"({"eye":[0,0,3],"target":[0,0,0],"up":[0,0,0]})",
+        R"({"eye":[0,0,3],"target":[0,0,0],"fov":0})",
+        R"({"eye":[0,0,3],"target":[0,0,0],"fov":"wide"})",
+        R"({"eye":[0,0,3],"target":[0,0,0],"ortho":1})",
+        R"({"eye":[0,0,1e999],"target":[0,0,0]})"}) {
+    EXPECT_FALSE(parseCamera(text)) << text;
+  }
+  EXPECT_EQ(readCameraFile("/nonexistent/camera.json").error().code, ErrorCode::kNotFound);
+}
+
+TEST(OrbitPath, GoesOnceAroundAndFitsTheModel) {
+  const BoundingSphere model{{1.0, 2.0, 3.0}, 2.0};
+  const CameraPath path = orbitPath(model, {0.0, 0.0, 3.0}, 40.0, 4);
+  ASSERT_EQ(path.size(), 4U);
+  const glm::dvec3 expected[] = {
+      {1.0, 2.0, 9.0},
+      {7.0, 2.0, 3.0},
+      {1.0, 2.0, -3.0},
+      {-5.0, 2.0, 3.0}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_LT(glm::distance(path[i].eye, expected[i]), 1e-9) << i;
+    EXPECT_LE(path[i].nearPlane, 4.0);
+    EXPECT_GE(path[i].farPlane, 8.0);
+  }
+}
+
+}  // namespace
+}  // namespace limn
