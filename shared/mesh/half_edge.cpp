@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/mesh/half_edge.h"
 
+#include <algorithm>
 #include <string>
 
 namespace limn {
@@ -56,9 +57,9 @@ Result<HalfEdgeMesh> HalfEdgeMesh::build(
   mesh.twins.assign(halfEdges, kNone);
   mesh.outgoing.assign(vertexCount, kNone);
 
-  // Half-edges of each origin as linked lists: the twin of (a, b) is in the list of b.
-  std::vector<HalfEdgeId> head(vertexCount, kNone);
-  std::vector<HalfEdgeId> link(halfEdges);
+  // Half-edges in buckets by their smaller end (a counting sort), each bucket sorted by the larger:
+  // the sides of an edge become neighbours, however many faces meet at a vertex.
+  std::vector<std::uint32_t> bucket(std::size_t{vertexCount} + 1, 0);
   for (FaceId f = 0; f < triangles.size(); ++f) {
     const glm::uvec3& t = triangles[f];
     if (t.x == t.y || t.y == t.z || t.z == t.x) {
@@ -70,23 +71,41 @@ Result<HalfEdgeMesh> HalfEdgeMesh::build(
             "face " + std::to_string(f) + " has corner " + std::to_string(t[k]) + " of " +
             std::to_string(vertexCount)));
       }
-      const HalfEdgeId h = 3 * f + static_cast<std::uint32_t>(k);
-      mesh.origins[h] = t[k];
-      link[h] = head[t[k]];
-      head[t[k]] = h;
+      mesh.origins[3 * f + static_cast<std::uint32_t>(k)] = t[k];
     }
   }
-  for (HalfEdgeId h = 0; h < halfEdges; ++h) {
-    const std::uint32_t a = mesh.origins[h];
-    const std::uint32_t b = mesh.target(h);
-    for (HalfEdgeId other = head[a]; other != kNone; other = link[other]) {
-      if (other != h && mesh.target(other) == b) {
-        return tl::unexpected(
-            nonManifold("edge " + edgeName(a, b) + " occurs twice in one direction"));
+  const auto smaller = [&](HalfEdgeId h) { return std::min(mesh.origins[h], mesh.target(h)); };
+  const auto larger = [&](HalfEdgeId h) { return std::max(mesh.origins[h], mesh.target(h)); };
+  for (HalfEdgeId h = 0; h < halfEdges; ++h)
+    ++bucket[smaller(h) + 1];
+  for (std::uint32_t v = 0; v < vertexCount; ++v)
+    bucket[v + 1] += bucket[v];
+  std::vector<HalfEdgeId> sides(halfEdges);
+  {
+    std::vector<std::uint32_t> place(bucket.begin(), bucket.end() - 1);
+    for (HalfEdgeId h = 0; h < halfEdges; ++h)
+      sides[place[smaller(h)]++] = h;
+  }
+  for (std::uint32_t v = 0; v < vertexCount; ++v) {
+    std::sort(
+        sides.begin() + bucket[v],
+        sides.begin() + bucket[v + 1],
+        [&](HalfEdgeId a, HalfEdgeId b) {
+          // Of one edge, the half-edges out of v come first.
+          if (larger(a) != larger(b)) return larger(a) < larger(b);
+          return mesh.origins[a] != mesh.origins[b] ? mesh.origins[a] < mesh.origins[b] : a < b;
+        });
+    for (std::uint32_t i = bucket[v] + 1; i < bucket[v + 1]; ++i) {
+      const HalfEdgeId h = sides[i - 1];
+      const HalfEdgeId other = sides[i];
+      if (larger(h) != larger(other)) continue;
+      if (mesh.origins[h] == mesh.origins[other]) {
+        return tl::unexpected(nonManifold(
+            "edge " + edgeName(mesh.origins[h], mesh.target(h)) +
+            " occurs twice in one direction"));
       }
-    }
-    for (HalfEdgeId other = head[b]; other != kNone; other = link[other]) {
-      if (mesh.target(other) == a) mesh.twins[h] = other;
+      mesh.twins[h] = other;
+      mesh.twins[other] = h;
     }
   }
   // A border vertex has exactly one outgoing half-edge without a twin; more mean more fans.

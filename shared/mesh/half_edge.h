@@ -74,7 +74,7 @@ struct HalfEdgeMesh {
 
   /// Links triangles. Errors: kNonManifold (an edge with more than two faces or two of the same
   /// direction, a vertex with more than one fan, a repeated corner, an index ≥ vertexCount).
-  /// Cost: O(faces), two passes. Threads: reentrant.
+  /// Cost: O(faces · log valence). Threads: reentrant.
   [[nodiscard]] static Result<HalfEdgeMesh> build(
       std::uint32_t vertexCount,
       std::span<const glm::uvec3> triangles);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/mesh/half_edge.h"
 
-#include <gtest/gtest.h>
-
 #include "shared/mesh/primitives.h"
+
+#include <gtest/gtest.h>
 
 namespace limn {
 namespace {
@@ -21,10 +21,15 @@ double signedVolume(const TriangleMesh& mesh) {
 
 TEST(Primitives, ClosedShapesAreOutwardManifolds) {
   const TriangleMesh shapes[] = {
-      primitives::tetrahedron(), primitives::cube(), primitives::icosphere(3), primitives::torus(24, 12),
-      primitives::torusKnot(2, 3, 200, 12), primitives::bumpySphere(4, 7)};
+      primitives::tetrahedron(),
+      primitives::cube(),
+      primitives::icosphere(3),
+      primitives::torus(24, 12),
+      primitives::torusKnot(2, 3, 200, 12),
+      primitives::bumpySphere(4, 7)};
   for (const TriangleMesh& shape : shapes) {
-    const auto mesh = HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
+    const auto mesh =
+        HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
     ASSERT_TRUE(mesh) << mesh.error().message;
     EXPECT_TRUE(validate(*mesh));
     EXPECT_EQ(std::count(mesh->twins.begin(), mesh->twins.end(), kNone), 0);
@@ -45,9 +50,25 @@ TEST(HalfEdgeMesh, RingOfABorderVertexIsThePathFromBorderToBorder) {
   EXPECT_FALSE(mesh->isBorderVertex(4));
 }
 
+// A disc of very many sectors is an ordinary CAD export: linking must not be quadratic in valence.
+TEST(HalfEdgeMesh, ACentreOfFiftyThousandFacesIsLinked) {
+  constexpr std::uint32_t kSectors = 50'000;
+  std::vector<glm::uvec3> triangles;
+  for (std::uint32_t i = 0; i < kSectors; ++i) {
+    triangles.emplace_back(0, 1 + i, 1 + (i + 1) % kSectors);
+  }
+  const auto mesh = HalfEdgeMesh::build(kSectors + 1, triangles);
+  ASSERT_TRUE(mesh.has_value());
+  EXPECT_TRUE(validate(*mesh).has_value());
+  std::vector<std::uint32_t> ring;
+  mesh->ring(0, ring);
+  EXPECT_EQ(ring.size(), kSectors);
+}
+
 TEST(HalfEdgeMesh, FindGivesTheDirectedEdge) {
   const TriangleMesh sphere = primitives::icosphere(2);
-  const auto mesh = HalfEdgeMesh::build(static_cast<std::uint32_t>(sphere.positions.size()), sphere.triangles);
+  const auto mesh =
+      HalfEdgeMesh::build(static_cast<std::uint32_t>(sphere.positions.size()), sphere.triangles);
   ASSERT_TRUE(mesh);
   for (HalfEdgeId h = 0; h < mesh->origins.size(); ++h) {
     EXPECT_EQ(mesh->find(mesh->origin(h), mesh->target(h)), h);
