@@ -18,6 +18,10 @@ namespace {
 /// away from the spine.
 constexpr float kMitreCosine = 0.34F;
 
+/// Limits below which lines fade are at most this share of the whole drawing's extent, so that a
+/// small picture of a model is not an empty one.
+constexpr float kLargestFade = 0.08F;
+
 /// A place along a spine where the strip has corners.
 struct Station {
   glm::vec2 point{0.0F};
@@ -50,10 +54,14 @@ float fade(float extentPx, float belowPx) {
 /// Builds the strip of one spine at a time.
 class StripBuilder {
  public:
-  StripBuilder(const StrokeStyle& style, float widthPx, StrokeMesh& out)
+  StripBuilder(const SpineSet& spines, const StrokeStyle& style, float widthPx, StrokeMesh& out)
       : style_(style),
         widthPx_(widthPx),
-        out_(out) {}
+        out_(out) {
+    if (spines.points.empty()) return;
+    largestFade_ =
+        kLargestFade * extentOf(spines, 0, static_cast<std::uint32_t>(spines.points.size()));
+  }
 
   void build(
       const SpineSet& spines,
@@ -75,11 +83,11 @@ class StripBuilder {
     visiblePerPx_ = repeatsPerPx(style_.visible.lengthPx * scale, spine.closed);
     hiddenPerPx_ = repeatsPerPx(style_.hidden.lengthPx * scale, spine.closed);
     start_ = startOfTexture(lines, spine);
-    const float extent = extentOf(spines, spine);
+    const float extent = extentOf(spines, spine.begin, spine.end);
     // Short creases are mostly noise of a scan.
-    const float limit = isThin ? style_.creaseFade : 1.0F;
-    visibleFade_ = fade(extent, limit * style_.fadeBelowPx);
-    hiddenFade_ = fade(extent, limit * style_.fadeHiddenBelowPx);
+    const float factor = isThin ? style_.creaseFade : 1.0F;
+    visibleFade_ = fade(extent, std::min(factor * style_.fadeBelowPx, largestFade_));
+    hiddenFade_ = fade(extent, std::min(factor * style_.fadeHiddenBelowPx, largestFade_));
     if (visibleFade_ <= 0.0F && hiddenFade_ <= 0.0F) return;
 
     collectStations(spines, arcs, spine);
@@ -92,10 +100,10 @@ class StripBuilder {
     return std::max(1.0F, std::round(length_ / repeatPx)) / length_;
   }
 
-  static float extentOf(const SpineSet& spines, const SpineSet::Spine& spine) {
-    glm::vec2 low = spines.points[spine.begin];
+  static float extentOf(const SpineSet& spines, std::uint32_t begin, std::uint32_t end) {
+    glm::vec2 low = spines.points[begin];
     glm::vec2 high = low;
-    for (std::uint32_t i = spine.begin; i < spine.end; ++i) {
+    for (std::uint32_t i = begin; i < end; ++i) {
       low = glm::min(low, spines.points[i]);
       high = glm::max(high, spines.points[i]);
     }
@@ -271,6 +279,7 @@ class StripBuilder {
   const StrokeStyle& style_;
   float widthPx_;
   StrokeMesh& out_;
+  float largestFade_ = 0.0F;
   std::vector<Station> stations_;
   std::vector<glm::vec2> directions_;
   // Of the spine being built.
@@ -297,7 +306,7 @@ StrokeMesh tessellate(
   StrokeMesh mesh;
   mesh.vertices.reserve(2 * spines.points.size());
   mesh.indices.reserve(6 * spines.points.size());
-  StripBuilder builder(style, widthPx, mesh);
+  StripBuilder builder(spines, style, widthPx, mesh);
   for (std::uint32_t i = 0; i < spines.spines.size(); ++i) {
     builder.build(spines, arcs, samples, lines, i);
   }

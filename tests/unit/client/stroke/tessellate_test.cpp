@@ -186,15 +186,37 @@ TEST(Tessellate, OpenEndsTaperAndCutEndsDoNot) {
   EXPECT_TRUE(covers(strokes(d, style), {10.5F, 12.5F}));
 }
 
+/// Two spines: a loop of this radius, and a line far longer.
+StrokeMesh loopBesideALongLine(float radius, const StrokeStyle& style) {
+  Drawn d = drawn(circle(radius, 24), true);
+  d.spines.points.insert(d.spines.points.end(), {{0.0F, 0.0F}, {900.0F, 0.0F}});
+  d.spines.exact = d.spines.points;
+  d.spines.depth.resize(26, 0.5F);
+  d.spines.source.resize(26, 0);
+  d.spines.spines.push_back({LineKind::kSilhouette, false, true, true, 24, 26, 0});
+  d.arcs = measureSpines(d.spines);
+  d.samples.begin = {0, 0};
+  d.samples.perPx = {1.0F, 1.0F};
+  return strokes(d, style);
+}
+
 TEST(Tessellate, TinyLoopsFadeAway) {
   StrokeStyle style = plainStyle();
   style.fadeBelowPx = 6.0F;
   style.fadeHiddenBelowPx = 16.0F;
-  EXPECT_TRUE(strokes(drawn(circle(1.0F, 12), true), style).vertices.empty());
-  const StrokeMesh middle = strokes(drawn(circle(4.5F, 24), true), style);
-  ASSERT_FALSE(middle.vertices.empty());
-  EXPECT_FLOAT_EQ(middle.vertices[0].visibleFade, 1.0F);
-  EXPECT_FLOAT_EQ(middle.vertices[0].hiddenFade, 0.0F);
+  const std::size_t lineAlone = loopBesideALongLine(1.0F, style).vertices.size();
+  const StrokeMesh both = loopBesideALongLine(4.5F, style);
+  ASSERT_GT(both.vertices.size(), lineAlone);
+  EXPECT_FLOAT_EQ(both.vertices[0].visibleFade, 1.0F);
+  EXPECT_FLOAT_EQ(both.vertices[0].hiddenFade, 0.0F);
+}
+
+TEST(Tessellate, ASmallModelIsNotFadedAway) {
+  StrokeStyle style = plainStyle();
+  style.fadeBelowPx = 6.0F;
+  const StrokeMesh mesh = strokes(drawn(circle(1.0F, 12), true), style);
+  ASSERT_FALSE(mesh.vertices.empty());
+  EXPECT_FLOAT_EQ(mesh.vertices[0].visibleFade, 1.0F);
 }
 
 TEST(Tessellate, RepeatedPointsAndEmptyInputDoNoHarm) {
