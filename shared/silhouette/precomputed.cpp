@@ -10,10 +10,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace limn {
 namespace {
 
+constexpr float kEndless = std::numeric_limits<float>::max();
 constexpr std::uint32_t kMarkBits = 3;
 constexpr std::uint32_t kLastFrame = (1U << (32 - kMarkBits)) - 1;
 
@@ -110,8 +112,12 @@ void PrecomputedDetector::chooseViewpoints(const glm::vec3& toEye) {
   nearest_.resize(count);
 }
 
-// From the faces around a vertex to the neighbour nearest to edge-on, until one faces the other
-// way.
+bool PrecomputedDetector::isOnPath(std::uint32_t site) const {
+  return std::find(path_.begin(), path_.end(), site) != path_.end();
+}
+
+// From the faces around a vertex on to the neighbour nearest to edge-on, never back, until one
+// faces the other way.
 void PrecomputedDetector::searchEdges(std::uint32_t slot, const glm::vec4& eye) {
   const HalfEdgeMesh& mesh = field_->mesh();
   const HalfEdgeId out = mesh.outgoing[slot];
@@ -126,8 +132,11 @@ void PrecomputedDetector::searchEdges(std::uint32_t slot, const glm::vec4& eye) 
       face = HalfEdgeMesh::face(h);
     }
   }
+  path_.clear();
   for (int step = 0; step < steps_; ++step) {
     const bool isFront = field_->isFront(face, eye);
+    path_.push_back(face);
+    best = kEndless;
     FaceId next = kNone;
     for (HalfEdgeId h = 3 * face; h < 3 * face + 3; ++h) {
       const HalfEdgeId twin = mesh.twins[h];
@@ -138,7 +147,7 @@ void PrecomputedDetector::searchEdges(std::uint32_t slot, const glm::vec4& eye) 
         return;
       }
       const float s = steepness(*field_, HalfEdgeMesh::face(twin), eye);
-      if (s < best) {
+      if (s < best && !isOnPath(HalfEdgeMesh::face(twin))) {
         best = s;
         next = HalfEdgeMesh::face(twin);
       }
@@ -148,12 +157,14 @@ void PrecomputedDetector::searchEdges(std::uint32_t slot, const glm::vec4& eye) 
   }
 }
 
-// From vertex to the neighbour nearest to edge-on, until one is on the other side.
+// The same from vertex to vertex, until one is on the other side.
 void PrecomputedDetector::searchSmooth(std::uint32_t slot, const glm::vec4& eye) {
   const HalfEdgeMesh& mesh = field_->mesh();
-  float best = std::abs(field_->value(slot, eye));
+  path_.clear();
   for (int step = 0; step < steps_; ++step) {
     const bool isFront = field_->isFront(slot, eye);
+    path_.push_back(slot);
+    float best = kEndless;
     const HalfEdgeId out = mesh.outgoing[slot];
     std::uint32_t next = kNone;
     for (HalfEdgeId h = out; h != kNone;) {
@@ -165,7 +176,7 @@ void PrecomputedDetector::searchSmooth(std::uint32_t slot, const glm::vec4& eye)
           return;
         }
         const float value = std::abs(field_->value(v, eye));
-        if (value < best) {
+        if (value < best && !isOnPath(v)) {
           best = value;
           next = v;
         }

@@ -27,6 +27,7 @@ class PrecomputedDetector final : public SilhouetteDetector {
   void traceEdges(HalfEdgeId first, const glm::vec4& eye);
   void traceSmooth(FaceId first, const glm::vec4& eye);
   bool mark(FaceId f, std::uint32_t bit);
+  [[nodiscard]] bool isOnPath(std::uint32_t site) const;
 
   const SilhouetteField* field_;
   int viewpoints_;
@@ -37,6 +38,7 @@ class PrecomputedDetector final : public SilhouetteDetector {
   std::vector<std::uint32_t> slots_;
   // Working memory. Marks hold the frame above three bits, one a half-edge (bit 0: the face).
   std::vector<std::uint32_t> nearest_;
+  std::vector<std::uint32_t> path_;  // sites of the walk from the present seed
   std::vector<std::uint32_t> marks_;
   std::uint32_t frame_ = 0;
   SilhouetteResult result_;

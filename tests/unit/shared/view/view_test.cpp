@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/core/camera.h"
+#include "shared/core/rng.h"
+#include "shared/view/anchored_cone.h"
+#include "shared/view/frustum.h"
+#include "shared/view/normal_cone.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace limn {
+namespace {
+
+glm::dvec3 randomUnit(Rng& rng) {
+  const double z = 2.0 * rng.uniform() - 1.0;
+  const double angle = 6.283185307179586 * rng.uniform();
+  const double ring = std::sqrt(1.0 - z * z);
+  return {ring * std::cos(angle), ring * std::sin(angle), z};
+}
+
+// Planes through points about `center` whose normals lie about `axis`.
+std::vector<glm::vec4>
+randomPlanes(Rng& rng, const glm::dvec3& center, const glm::dvec3& axis, double spread) {
+  std::vector<glm::vec4> planes;
+  for (int i = 0; i < 32; ++i) {
+    const glm::dvec3 normal = glm::normalize(axis + spread * randomUnit(rng));
+    const glm::dvec3 point = center + 20.0 * randomUnit(rng);
+    const glm::vec3 n(normal * (1.0 + 100.0 * rng.uniform()));
+    planes.emplace_back(n, static_cast<float>(-glm::dot(glm::dvec3(n), point)));
+  }
+  return planes;
+}
+
+int countFront(const std::vector<glm::vec4>& planes, const glm::vec4& eye) {
+  int count = 0;
+  for (const glm::vec4& plane : planes) {
+    if (((plane.x * eye.x + plane.y * eye.y) + plane.z * eye.z) + plane.w * eye.w > 0.0F) ++count;
+  }
+  return count;
+}
+
+TEST(NormalCone, HoldsEveryNormalAndIsNarrow) {
+  Rng rng(1);
+  for (int trial = 0; trial < 100; ++trial) {
+    const glm::dvec3 axis = randomUnit(rng);
+    std::vector<glm::dvec3> normals;
+    for (int i = 0; i < 20; ++i)
+      normals.push_back(glm::normalize(axis + 0.3 * randomUnit(rng)));
+    const NormalCone cone = fitNormalCone(normals);
+    for (const glm::dvec3& n : normals)
+      EXPECT_GE(glm::dot(cone.axis, n), cone.cosHalf - 1e-12);
+    // All normals are within asin 0.3 of the axis they were made about.
+    EXPECT_GE(cone.cosHalf, 0.90);
+  }
+}
+
+TEST(NormalCone, OfNothingOrOpposedNormalsIsEverything) {
+  EXPECT_EQ(fitNormalCone({}).cosHalf, -1.0);
+  const std::array<glm::dvec3, 2> opposed = {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0)};
+  EXPECT_LE(fitNormalCone(opposed).cosHalf, 0.0);
+}
+
+TEST(AnchoredCone, NeverClaimsMoreThanTheFloatPlanesSay) {
+  Rng rng(2);
+  int claims = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const glm::dvec3 center = 5000.0 * randomUnit(rng);
+    const auto planes = randomPlanes(rng, center, randomUnit(rng), 0.6 * rng.uniform());
+    const AnchoredCone cone = fitAnchoredCone(planes, glm::vec3(center));
+    for (int i = 0; i < 200; ++i) {
+      const double distance = std::pow(10.0, 1.0 + 4.5 * rng.uniform());
+      const glm::vec4 eye = i % 4 == 0
+                                ? glm::vec4(glm::vec3(randomUnit(rng)), 0.0F)
+                                : glm::vec4(glm::vec3(center + distance * randomUnit(rng)), 1.0F);
+      const ConeSide side = sideOf(cone, eye, 6000.0F);
+      const int front = countFront(planes, eye);
+      if (side == ConeSide::kFront) {
+        ASSERT_EQ(front, 32);
+      }
+      if (side == ConeSide::kBack) {
+        ASSERT_EQ(front, 0);
+      }
+      claims += side == ConeSide::kUnknown ? 0 : 1;
+    }
+  }
+  EXPECT_GT(claims, 20000);  // of 60,000: the cones do prove something
+}
+
+TEST(AnchoredCone, WithAPlaneWithoutAreaIsEmpty) {
+  const std::array<glm::vec4, 2> planes = {glm::vec4(0, 0, 1, 0), glm::vec4(0)};
+  const AnchoredCone cone = fitAnchoredCone(planes, glm::vec3(0));
+  EXPECT_EQ(sideOf(cone, glm::vec4(0, 0, 10, 1), 1.0F), ConeSide::kUnknown);
+  EXPECT_EQ(sideOf(cone, glm::vec4(0, 0, 1, 0), 1.0F), ConeSide::kUnknown);
+}
+
+TEST(Frustum, ContainsWhatProjectsIntoTheClipCube) {
+  Rng rng(3);
+  const BoundingSphere sphere{{1.0, 2.0, 3.0}, 2.0};
+  Camera camera = orbitCamera(sphere, 30.0, 20.0, 2.0);
+  fitDepthRange(sphere, camera);
+  const glm::dmat4 matrix = camera.clipFromWorld(1.5);
+  const Frustum frustum = Frustum::fromMatrix(matrix);
+  int inside = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const glm::dvec3 point = sphere.center + 4.0 * rng.uniform() * randomUnit(rng);
+    const glm::dvec4 clip = matrix * glm::dvec4(point, 1.0);
+    const bool isInside =
+        std::abs(clip.x) <= clip.w && std::abs(clip.y) <= clip.w && std::abs(clip.z) <= clip.w;
+    EXPECT_EQ(frustum.contains(point), isInside);
+    if (isInside) {
+      EXPECT_TRUE(frustum.mayIntersect(point, 0.5));
+    }
+    inside += isInside ? 1 : 0;
+  }
+  EXPECT_GT(inside, 100);
+  EXPECT_FALSE(frustum.mayIntersect(camera.eye - 10.0 * camera.forward(), 1.0));
+}
+
+}  // namespace
+}  // namespace limn
