@@ -26,5 +26,8 @@ int main(int argc, char** argv) {
     return 0;
   }
   const auto done = limn::runRender(*commandLine->render);
-  return done ? 0 : complain(done.error(), kFailed);
+  if (done) return 0;
+  // A style that does not exist, a camera file that is none: usage, noticed late.
+  const bool usage = done.error().code == limn::ErrorCode::kInvalidArgument;
+  return complain(done.error(), usage ? kWrongUsage : kFailed);
 }

@@ -26,6 +26,8 @@ namespace limn {
 namespace {
 
 constexpr std::uint64_t kWaitSliceMs = 200;
+/// Only finished states are drawn here, so none on the way is worth a copy.
+constexpr std::uint64_t kNeverMs = std::uint64_t{1} << 48;
 
 protocol::Goal goalOf(const StopCondition& until) {
   if (until.kind != StopCondition::Kind::kState) return protocol::Goal::kSettled;
@@ -79,7 +81,9 @@ template <class Wait>
 auto watch(ClientSession& session, ProgressLine& progress, Wait wait) -> decltype(wait(0)) {
   while (true) {
     auto result = wait(kWaitSliceMs);
-    if (result || result.error().code != ErrorCode::kUnavailable || !session.isRunning()) {
+    const bool running = session.isRunning();
+    if (!result && !running) result = wait(0);  // it may have ended between the two
+    if (result || result.error().code != ErrorCode::kUnavailable || !running) {
       progress.clear();
       return result;
     }
@@ -96,6 +100,7 @@ Result<SessionOutcome> loadWhole(const Source& source) {
   ClientSession::Options options;
   options.session.model = source.model;
   options.session.stop.state = MeshState::kComplete;
+  options.publishEveryMs = kNeverMs;
   ClientSession session(source.connect, options);
   ProgressLine progress;
   return watch(session, progress, [&](std::uint64_t ms) { return session.waitUntilDone(ms); });
@@ -312,6 +317,7 @@ Result<void> runRender(const RenderCommandOptions& options) {
   ClientSession::Options sessionOptions;
   sessionOptions.session.model = source->model;
   sessionOptions.session.stop = until;
+  sessionOptions.publishEveryMs = kNeverMs;
   if (follows) sessionOptions.session.stop.kind = StopCondition::Kind::kNever;
   ClientSession session(source->connect, sessionOptions);
   ProgressLine progress;

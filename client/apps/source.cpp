@@ -97,6 +97,12 @@ Result<Source> openMeshSource(const SourceOptions& options) {
        "--json"},
       interrupted);
   if (!child) return tl::unexpected(child.error());
+  if (child->exitCode >= 128) {
+    return fail(
+        ErrorCode::kUnsupported,
+        "limn-prepare was ended by signal " + std::to_string(child->exitCode - 128) + " on " +
+            options.meshFile.string() + ": out of memory, or a bug worth reporting");
+  }
   if (child->exitCode != 0) {
     std::string why = lastLine(child->complaint);
     constexpr std::string_view kPrefix = "limn-prepare: ";

@@ -67,7 +67,7 @@ void SessionMachine::onMessage(protocol::Bytes bytes, std::size_t wireBytes, std
       bytes_.received + wireBytes > options_.stop.bytes) {
     if (!decoder_.hasBase()) {
       return failWith(
-          {ErrorCode::kInvalidArgument,
+          {ErrorCode::kUnavailable,
            "bytes:" + std::to_string(options_.stop.bytes) +
                " is too few for the base mesh: ask for more"});
     }
