@@ -78,6 +78,7 @@ Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> as
   auto splitModel = parseSplitModel(model->info().splitModel);
   if (!splitModel) return tl::unexpected(splitModel.error().within(where));
   model->splitModel_ = std::move(*splitModel);
+  model->smoothCones_ = smoothConesOf(model->forest_);
 
   const protocol::ModelInfo& says = model->info();
   if (says.levelBegin != model->forest_.levelBegin || says.blockLevels != model->blocks_.size() ||
@@ -112,7 +113,7 @@ std::size_t Model::bytes() const {
       (f.baseTriangles.capacity() + f.triangles.capacity()) * sizeof(glm::uvec3) +
       (f.parents.capacity() + f.ringBegin.capacity() + f.rings.capacity()) * sizeof(VertexId) +
       f.cuts.capacity() * sizeof(RingCut) + f.features.capacity() +
-      f.bounds.capacity() * sizeof(SplitBounds);
+      f.bounds.capacity() * sizeof(SplitBounds) + smoothCones_.capacity() * sizeof(NormalCone);
   const std::lock_guard lock(mutex_);
   return sizeof(*this) + forest + (exact_ ? exact_->bytes() : 0);
 }

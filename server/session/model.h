@@ -35,6 +35,9 @@ class Model {
     return *infoMessage_.as<protocol::ModelInfo>();
   }
 
+  /// smoothConesOf(forest()).
+  [[nodiscard]] const std::vector<NormalCone>& smoothCones() const { return smoothCones_; }
+
   // Whole messages, channel 0.
   [[nodiscard]] protocol::Bytes base() const { return base_; }
 
@@ -54,6 +57,7 @@ class Model {
   std::shared_ptr<const Asset> asset_;
   SplitForest forest_;
   SplitModel splitModel_;
+  std::vector<NormalCone> smoothCones_;
   protocol::Message infoMessage_;
   protocol::Bytes base_;
   std::vector<protocol::Bytes> blocks_;

@@ -74,10 +74,10 @@ View viewOfPose(const protocol::Pose& pose, const Grid& grid) {
   return view;
 }
 
-Facing facingOf(const View& view, const SplitBounds& bounds, double slack) {
-  if (bounds.coneCos <= -1.0F) return Facing::kStraddling;
-  const glm::dvec3 axis(bounds.coneAxis);
-  double halfAngle = std::acos(std::min(1.0, static_cast<double>(bounds.coneCos))) + slack;
+Facing facingOf(const View& view, const SplitBounds& bounds, const NormalCone& cone) {
+  if (cone.cos <= -1.0F) return Facing::kStraddling;
+  const glm::dvec3 axis(cone.axis);
+  double halfAngle = std::acos(std::min(1.0, static_cast<double>(cone.cos)));
   glm::dvec3 toEye = -view.forward;
   if (!view.orthographic) {
     const glm::dvec3 offset = view.eye - glm::dvec3(bounds.center);

@@ -49,8 +49,14 @@ struct View {
 /// How a normal cone lies to the directions in which a sphere is seen.
 enum class Facing : std::uint8_t { kFront, kStraddling, kBack };
 
-/// Conservative: kStraddling unless all normals of the split's cone, anywhere in its sphere, face
-/// the eye (kFront) or none does (kBack). slack: radians that the cone is widened by.
-[[nodiscard]] Facing facingOf(const View& view, const SplitBounds& bounds, double slack);
+/// Directions within an angle of an axis.
+struct NormalCone {
+  glm::vec3 axis{0.0F, 0.0F, 1.0F};  // unit
+  float cos = -1.0F;                 // of the half-angle; −1: any direction
+};
+
+/// Conservative: kStraddling unless all normals of the cone, anywhere in the split's sphere, face
+/// the eye (kFront) or none does (kBack).
+[[nodiscard]] Facing facingOf(const View& view, const SplitBounds& bounds, const NormalCone& cone);
 
 }  // namespace limn

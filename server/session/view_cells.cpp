@@ -149,7 +149,8 @@ ViewCells::Ticket ViewCells::cell(
   const auto result = std::make_shared<std::shared_ptr<const TargetSet>>();
   tasks_.submit(
       [model, view = cell.view, result] {
-        *result = std::make_shared<const TargetSet>(selectForView(model->forest(), view));
+        *result = std::make_shared<const TargetSet>(
+            selectForView(model->forest(), view, model->smoothCones()));
       },
       [this, job, result] {
         job->set = std::move(*result);
@@ -174,7 +175,7 @@ ViewCells::pose(const std::shared_ptr<const Model>& model, const protocol::Pose&
           const ExactFinder* finder = model->exactFinder();
           set = finder != nullptr ? finder->select(view) : everythingOf(model->forest());
         } else {
-          set = selectForView(model->forest(), view);
+          set = selectForView(model->forest(), view, model->smoothCones());
         }
         *result = std::make_shared<const TargetSet>(std::move(set));
       },

@@ -286,8 +286,9 @@ TEST(Session, SettledHoldsExactlyWhatTheSelectionNames) {
   const protocol::Pose pose = link.look({1, 2, 3}, Goal::kSettled);
   link.settle();
   const SplitForest& forest = bumpy()->forest();
-  const auto needed =
-      closeOverPrerequisites(forest, classifySplits(forest, viewOfPose(pose, forest.grid)));
+  const auto needed = closeOverPrerequisites(
+      forest,
+      classifySplits(forest, viewOfPose(pose, forest.grid), bumpy()->smoothCones()));
   const VertexId blocksEnd = forest.levelBegin[1 + bumpy()->blocks().size()];
   for (VertexId v = forest.baseVertexCount(); v < forest.vertexCount(); ++v) {
     const bool wanted = v < blocksEnd || needed[v - forest.baseVertexCount()] != kNotNeeded;

@@ -61,7 +61,7 @@ TEST(TargetSet, ClosureIsWhatTheDefinitionSays) {
   const SplitForest& forest = bumpy()->forest();
   for (const glm::dvec3& direction : directions()) {
     const View view = viewOfPose(poseAt(bumpy()->info(), direction), forest.grid);
-    const auto own = classifySplits(forest, view);
+    const auto own = classifySplits(forest, view, bumpy()->smoothCones());
     std::vector<std::uint8_t> slow(own.size(), kNotNeeded);
     for (std::size_t s = 0; s < own.size(); ++s) {
       if (own[s] != kNotNeeded) {
@@ -69,7 +69,7 @@ TEST(TargetSet, ClosureIsWhatTheDefinitionSays) {
       }
     }
     EXPECT_EQ(closeOverPrerequisites(forest, own), slow);
-    EXPECT_EQ(classesOf(forest, selectForView(forest, view)), slow);
+    EXPECT_EQ(classesOf(forest, selectForView(forest, view, bumpy()->smoothCones())), slow);
   }
 }
 
@@ -135,7 +135,7 @@ TEST(Facing, IsNeverContradictedByASample) {
     bounds.coneAxis = glm::vec3(unit());
     const double half = rng.uniform() * 1.2;
     bounds.coneCos = static_cast<float>(std::cos(half));
-    const Facing facing = facingOf(view, bounds, 0.0);
+    const Facing facing = facingOf(view, bounds, {bounds.coneAxis, bounds.coneCos});
     if (facing == Facing::kStraddling) continue;
     (facing == Facing::kFront ? front : back) += 1;
     for (int sample = 0; sample < 40; ++sample) {
