@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table of tests/bench/run.sh. References are measured in the same run, by the tool the row names, or quoted with
+their source. Times are wall clock of a release build; run on a quiet machine."""
+
+import argparse
+import json
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "integration"))
+import harness  # noqa: E402
+
+GROUPS = ("stream", "simplify", "silhouette", "server")
+LATER = {"hull", "visibility", "clip"}  # named in the contract, measured once what they measure exists
+EXTENSIONS = {".ply", ".obj", ".stl", ".off", ".glb", ".gltf"}
+
+
+class Table:
+
+    def __init__(self):
+        self.rows = []
+
+    def add(self, row, mesh, ours, reference=None, target=None, unit="", quoted=None, better="lower"):
+        """target: an upper bound on ours / reference, or on ours where there is no reference."""
+        ratio = ours / reference if reference else None
+        judged = ratio if reference else ours
+        met = None if target is None else (judged <= target if better == "lower" else judged >= target)
+        entry = {"row": row, "mesh": mesh, "ours": ours, "reference": reference, "ratio": ratio, "target": target,
+                 "met": met, "unit": unit, "source": quoted}
+        self.rows.append(entry)
+        print("%-28s %-22s %12s %12s %8s %8s  %s" % (
+            row, mesh[:22], number(ours, unit), number(reference, unit), "" if ratio is None else "%.3f" % ratio,
+            "" if target is None else ("%g" % target), {None: "", True: "met", False: "NOT MET"}[met]), flush=True)
+
+    def head(self):
+        print("%-28s %-22s %12s %12s %8s %8s  %s" % ("row", "mesh", "ours", "reference", "ratio", "target", "met"))
+
+
+def number(value, unit):
+    if value is None:
+        return "-"
+    return ("%d" % value if isinstance(value, int) or value >= 1000 else "%.3g" % value) + (" " + unit if unit else "")
+
+
+def draco_bytes(dump, bits, folder):
+    """Size of one Draco mesh of the same quantised positions and faces: draco_encoder -cl 7 -qp bits. Its grid is the
+    longest side divided by 2^bits - 1, as ours, so integer positions stay what they are."""
+    mesh = harness.read_ply(dump)
+    plain, packed = folder / "draco.ply", folder / "draco.drc"
+    with open(plain, "wb") as out:
+        out.write(("ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
+                   "property float z\nelement face %d\nproperty list uchar int vertex_indices\nend_header\n"
+                   % (len(mesh.positions), len(mesh.faces))).encode())
+        out.write(b"".join(struct.pack("<3f", *p) for p in mesh.positions))
+        out.write(b"".join(struct.pack("<B3i", 3, *f) for f in mesh.faces))
+    subprocess.run(["draco_encoder", "-cl", "7", "-qp", str(bits), "-i", str(plain), "-o", str(packed)], check=True,
+                   stdout=subprocess.DEVNULL)
+    return packed.stat().st_size
+
+
+class Bench:
+
+    def __init__(self, models, quick, folder):
+        self.folder, self.store, self.quick = folder, folder / "store", quick
+        self.files = self.find(models)
+        self.reports, self.draco = {}, {}
+        self.table = Table()
+
+    def find(self, models):
+        if models is None:
+            named = harness.models()
+            if named is None:
+                made = {"torus": harness.torus(96, 48), "bumpy": harness.torus(256, 128, 0.3), "hills": harness.hills(100, 80)}
+                return {n: harness.write_obj(self.folder / (n + ".obj"), shape) for n, shape in made.items()}
+            models = named
+        files = sorted((f for f in models.iterdir() if f.suffix.lower() in EXTENSIONS), key=lambda f: f.stat().st_size)
+        if self.quick:
+            files = [f for f in files if f.stat().st_size > 200_000][:3]
+        if not files:
+            sys.exit("run.sh: no meshes in %s" % models)
+        # Two files of one stem keep their whole names apart.
+        stems = [f.stem for f in files]
+        return {(f.stem if stems.count(f.stem) == 1 else f.name): f for f in files}
+
+    def prepare(self, name):
+        """The report of limn-prepare for a mesh, once a run."""
+        if name not in self.reports:
+            dump = self.folder / "dump.ply"
+            report = json.loads(harness.run("limn-prepare", self.files[name], "--store", self.store, "--name", name,
+                                            "--dump-mesh", dump, "--json"))
+            self.reports[name] = report[0] if isinstance(report, list) else report
+            if shutil.which("draco_encoder"):
+                self.draco[name] = draco_bytes(dump, self.reports[name]["quantization_bits"], self.folder)
+        return self.reports[name]
+
+    def draw(self, *arguments):
+        report = self.folder / "report.json"
+        harness.run("limn-client", "render", *arguments, "--report", report)
+        return json.loads(report.read_text())
+
+    # ---- Groups
+
+    def stream(self):
+        """Wire bytes against one Draco mesh of the same grid. Targets: whole stream 2 x; exact from one cold view: less
+        than the whole Draco mesh on turbine-blade."""
+        for name in self.files:
+            size = self.prepare(name)["bytes"]
+            self.table.add("stream, complete", name, size["base"] + size["level_blocks"] + size["splits"],
+                           self.draco.get(name), 2, "B")
+        with harness.Server(self.store) as server:
+            for name in self.files:
+                for until in ("settled", "exact"):
+                    report = self.draw("--server", server.url, "--model", name, "--until", until, "--camera", "orbit:30,15",
+                                       "--size", "1024x1024")
+                    size = report["bytes"]
+                    ours = size["received"] - size["seeds"] - size["features"]
+                    target = 1 if until == "exact" and name == "turbine-blade" else None
+                    self.table.add("stream, cold until %s" % until, name, ours, self.draco.get(name), target, "B")
+
+    def simplify(self):
+        for name in self.files:
+            report = self.prepare(name)
+            dragon = name == "dragon"
+            self.table.add("prepare, seconds", name, report["seconds"]["total"], None, 60 if dragon else None, "s")
+            self.table.add("prepare, peak memory", name, report["peak_rss_mib"], None, 2048 if dragon else None, "MiB")
+
+    def silhouette(self):
+        """Detection and chaining at 1024 x 1024, medians over a moving camera."""
+        names = [n for n in ("bunny-closed", "turbine-blade", "dragon") if n in self.files] or list(self.files)[-1:]
+        for name in names:
+            for detector in ("brute", "cones", "precomputed"):
+                report = self.draw("--mesh", self.files[name], "--detector", detector, "--frames", "60", "--path", "orbit",
+                                   "--size", "1024x1024")
+                times = report["frame_ms"]
+                target = 1 if name == "bunny-closed" and detector == "cones" else None
+                self.table.add("detect+chain, " + detector, name, times["detect"] + times["chain"], None, target, "ms")
+
+    def server(self):
+        name = "dragon" if "dragon" in self.files else list(self.files)[-1]
+        self.prepare(name)
+        clients, hold = (10, 5) if self.quick else (50, 30)
+        script, out = self.folder / "load.toml", self.folder / "load.json"
+        script.write_text('decode = 0.01\n[[phase]]\nclients = %d\nramp_s = 5\nhold_s = %d\nmodel = "%s"\n'
+                          'speed_deg_s = 15\nrate_hz = 10\n' % (clients, hold, name))
+        with harness.Server(self.store) as server:
+            harness.run("limn-load", "--server", server.url, "--script", script, "--report", out)
+        report = json.loads(out.read_text())
+        people = "%s, %d clients" % (name, clients)
+        bad = report["clients"]["failed"] + report["clients"]["dropped"] + report["decode_errors"]
+        self.table.add("load, errors", people, bad, None, 0)
+        for latency in ("base", "pose_to_packet", "settled"):
+            value = report["latency_ms"][latency]["p99"]
+            if value is not None:
+                self.table.add("load, %s p99" % latency, people, value, None, None, "ms")
+        growth = (report["server"]["rss_mib_peak"] - report["server"]["rss_mib_before"]) * 1024 / clients
+        self.table.add("load, memory a client", people, growth, None, None, "KiB")
+        self.table.add("load, server CPU a client", people, 1000 * report["server"]["cpu_seconds"] / clients, None, None, "ms")
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="tests/bench/run.sh")
+    parser.add_argument("groups", nargs="*", metavar="GROUP", help=" ".join(GROUPS))
+    parser.add_argument("--models", type=pathlib.Path)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--json", type=pathlib.Path)
+    arguments = parser.parse_args()
+    for group in arguments.groups:
+        if group in LATER:
+            print("%s: nothing to measure yet" % group, file=sys.stderr)
+        elif group not in GROUPS:
+            parser.error("unknown group '%s'; use %s" % (group, " ".join(GROUPS)))
+    if arguments.models and not arguments.models.is_dir():
+        parser.error("%s is no folder" % arguments.models)
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="limn-bench-"))
+    status = 0
+    try:
+        bench = Bench(arguments.models, arguments.quick, folder)
+        bench.table.head()
+        for group in [g for g in GROUPS if g in arguments.groups or not arguments.groups]:
+            try:
+                getattr(bench, group)()
+            except (AssertionError, subprocess.SubprocessError, OSError, KeyError, TypeError) as error:
+                print("%s: %s" % (group, error), file=sys.stderr)
+                status = 1
+        if arguments.json:
+            arguments.json.write_text(json.dumps({"rows": bench.table.rows}, indent=1) + "\n")
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
