@@ -89,7 +89,12 @@ struct LoadConnections::Impl {
   Address address;
   Listener* listener = nullptr;
   lws_context* context = nullptr;
-  lws_sorted_usec_list_t timer{};
+
+  struct Timer {
+    lws_sorted_usec_list_t list{};  // first: libwebsockets hands back its address
+    lws_context* context = nullptr;
+  } timer;
+
   Id nextId = 0;
   std::unordered_map<Id, std::unique_ptr<Connection>> connections;
   bool connecting = false;                            // within connect()
@@ -203,6 +208,13 @@ struct LoadConnections::Impl {
     }
   }
 
+  /// A timer that falls due between scheduling and poll() is run before poll() goes to sleep, for
+  /// up to half a minute. So it is always armed again.
+  static void wake(lws_sorted_usec_list_t* list) {
+    auto* due = reinterpret_cast<Timer*>(list);
+    lws_sul_schedule(due->context, 0, list, &Impl::wake, LWS_US_PER_MS);
+  }
+
   static int
   lwsCallback(lws* wsi, lws_callback_reasons reason, void* /*user*/, void* in, std::size_t length) {
     auto* self =
@@ -249,6 +261,7 @@ Result<std::unique_ptr<LoadConnections>> LoadConnections::create(
   if (impl->context == nullptr) {
     return fail(ErrorCode::kNetwork, "libwebsockets could not start");
   }
+  impl->timer.context = impl->context;
   return std::unique_ptr<LoadConnections>(new LoadConnections(std::move(impl)));
 }
 
@@ -324,14 +337,18 @@ void LoadConnections::service(double timeoutMs) {
   for (const auto& [id, reason] : std::exchange(impl_->stillborn, {})) {
     impl_->listener->closed(id, reason);
   }
-  // libwebsockets 4.1 ignores the timeout of lws_service() and sleeps until its next timer.
-  const double microseconds = std::clamp(timeoutMs, 0.0, 1000.0) * 1000.0;
+  // libwebsockets 4.1 ignores a positive timeout of lws_service(): it sleeps until its next timer.
+  // A negative one means not to sleep.
+  if (timeoutMs <= 0.0) {
+    lws_service(impl_->context, -1);
+    return;
+  }
   lws_sul_schedule(
       impl_->context,
       0,
-      &impl_->timer,
-      [](lws_sorted_usec_list_t*) {},
-      static_cast<lws_usec_t>(microseconds) + 1);
+      &impl_->timer.list,
+      &Impl::wake,
+      static_cast<lws_usec_t>(std::min(timeoutMs, 1000.0) * 1000.0) + 1);
   lws_service(impl_->context, 0);
 }
 

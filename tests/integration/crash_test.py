@@ -9,13 +9,14 @@ import unittest
 
 from harness import BIN, Case, Proxy, Server, hills, run, torus, write_obj
 
-LARGE = torus(160, 80, 0.3)  # 25,600 faces: some ten packets
+LARGE = torus(160, 80, 0.3)  # 25,600 faces
 
 
 class Crash(Case):
 
     def test_a_client_goes_on_after_the_server_was_killed(self):
-        report, wanted = self.prepare_shape("large", LARGE)
+        # So large that what is lost with the line (a packet or two) is little of it.
+        report, wanted = self.prepare_shape("large", torus(320, 160, 0.3))
         whole = report["bytes"]["base"] + report["bytes"]["level_blocks"] + report["bytes"]["splits"]
         with Server(self.store) as server:
 
@@ -23,7 +24,7 @@ class Crash(Case):
                 server.kill()
                 server.start()
 
-            with Proxy(server.port, 400_000, whole // 2, restart) as proxy:
+            with Proxy(server.port, 1_000_000, whole // 2, restart) as proxy:
                 client, mesh = self.draw(proxy.url, "large", "--until", "complete")
                 self.assertEqual(client["state"], "complete")
                 self.assert_same_mesh(mesh, wanted, "after a restart")
@@ -47,7 +48,7 @@ class Crash(Case):
             self.assert_same_mesh(mesh, wanted, "the next client")
 
     def test_sigterm_drains_and_exits_cleanly(self):
-        self.prepare_shape("hills", hills(20, 20))
+        self.prepare_shape("hills", hills(60, 40))
         with Server(self.store) as server:
             self.draw(server.url, "hills", "--until", "settled")
             self.assertEqual(server.get("/livez")[0], 200)
@@ -80,32 +81,36 @@ class Crash(Case):
         self.assertEqual(list((self.store / "tmp").iterdir()), [], "nothing is left over")
 
     def test_a_flipped_byte_in_any_file_is_noticed_and_the_asset_rebuilt(self):
-        source = write_obj(self.folder / "hills.obj", hills(20, 20))
+        source = write_obj(self.folder / "hills.obj", hills(60, 40))
         report, wanted = self.prepare(source, "hills")
         asset = self.store / "assets" / report["asset"]
         files = {f.name: f.read_bytes() for f in sorted(asset.iterdir())}
         self.assertGreater(len(files), 4)
-        for name, whole in files.items():
-            for position in (0, len(whole) // 2, len(whole) - 1):
-                damaged = bytearray(whole)
+        for name in list(files):
+            whole = files[name]
+            for position in sorted({0, len(whole) // 2, max(len(whole) - 1, 0)}):
+                damaged = bytearray(whole or b"\x10")  # an empty file cannot lose a byte, but gain one
                 damaged[position] ^= 0x10
                 (asset / name).write_bytes(damaged)
-                # Noticed: nothing is drawn from it.
-                run("limn-client", "render", "--asset", asset, "--size", "64x64", "--dump-mesh", self.folder / "x.ply",
-                    expect=1)
+                if name != "forest.bin":  # the server's alone; a client does not read it
+                    run("limn-client", "render", "--asset", asset, "--size", "64x64", "--dump-mesh",
+                        self.folder / "x.ply", expect=1)
                 again, mesh = self.prepare(source, "hills")
                 self.assertEqual(again["asset"], report["asset"])
                 self.assert_same_mesh(mesh, wanted, name)
-                self.assertEqual((asset / name).read_bytes(), whole, "%s is rebuilt, byte %d" % (name, position))
+                label = "%s is rebuilt, byte %d" % (name, position)
+                if name.startswith("manifest"):  # holds the times of its preparation, so a new one differs
+                    self.assertNotEqual((asset / name).read_bytes(), bytes(damaged), label)
+                    files = {f.name: f.read_bytes() for f in asset.iterdir()}
+                else:
+                    self.assertEqual((asset / name).read_bytes(), whole, label)
 
     def test_a_server_rebuilds_a_damaged_asset_of_its_models(self):
         folder = self.folder / "models"
         folder.mkdir()
-        source = write_obj(folder / "hills.obj", hills(20, 20))
+        source = write_obj(folder / "hills.obj", hills(60, 40))
         report, wanted = self.prepare(source, "hills")
         damaged = self.store / "assets" / report["asset"] / "packets.bin"
-        if not damaged.exists() or damaged.stat().st_size == 0:
-            damaged = self.store / "assets" / report["asset"] / "blocks.bin"
         data = bytearray(damaged.read_bytes())
         data[len(data) // 2] ^= 1
         damaged.write_bytes(data)

@@ -221,6 +221,7 @@ class Server:
     def kill(self):
         self.process.kill()
         self.process.wait()
+        self.process.stdout.close()
 
     def terminate(self):
         """SIGTERM; the exit status."""
@@ -257,7 +258,7 @@ class Server:
 
 class Proxy:
     """Stands between a client and a server: counts and throttles what the server sends, and calls `at_bytes()` once
-    when `cut_after` bytes have passed, holding everything back until that returns."""
+    when `cut_after` bytes have passed; that connection is then cut, and what was under way on it is lost."""
 
     def __init__(self, port, bytes_per_second=2_000_000, cut_after=None, at_bytes=None):
         self.target, self.rate, self.cut_after, self.at_bytes = port, bytes_per_second, cut_after, at_bytes
@@ -303,6 +304,7 @@ class Proxy:
                     if self.cut_after is not None and sum(self.received) >= self.cut_after:
                         self.cut_after = None
                         self.at_bytes()
+                        break
                 sink.sendall(data)
         for side in (source, sink):
             with contextlib.suppress(OSError):
