@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <glm/glm.hpp>
-#include <vector>
-
 #include "shared/core/ids.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <vector>
 
 namespace limn {
 
@@ -16,12 +17,14 @@ enum class LineKind : std::uint8_t { kSilhouette, kCrease, kBorder, kSeam };
 struct PolylineSet {
   struct Line {
     LineKind kind = LineKind::kSilhouette;
-    bool closed = false;          // the first point is not repeated
-    std::uint32_t begin = 0;      // points[begin … end)
+    bool closed = false;      // the first point is not repeated
+    std::uint32_t begin = 0;  // points[begin … end)
     std::uint32_t end = 0;
+
     /// Segments: end − begin for a closed line, one fewer for an open one.
     [[nodiscard]] std::uint32_t segmentCount() const { return end - begin - (closed ? 0 : 1); }
   };
+
   std::vector<glm::vec3> points;
   std::vector<Line> lines;
   /// Parallel to points: the half-edge of the segment that starts at this point (polygonal lines:

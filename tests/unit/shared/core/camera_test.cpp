@@ -30,7 +30,9 @@ TEST(Camera, UpIsUpOnTheScreenAlsoFromThePoles) {
 TEST(Camera, OrthographicHasTheSameExtentAtTheTarget) {
   const BoundingSphere model{{0.0, 0.0, 0.0}, 1.0};
   Camera camera = orbitCamera(model, 30.0, 20.0);
-  const glm::dvec4 point(0.3 * camera.up - glm::dot(0.3 * camera.up, camera.forward()) * camera.forward(), 1.0);
+  const glm::dvec4 point(
+      0.3 * camera.up - glm::dot(0.3 * camera.up, camera.forward()) * camera.forward(),
+      1.0);
   const glm::dvec3 perspective = pixelFromClip(camera.clipFromWorld(1.0) * point, {100, 100});
   camera.orthographic = true;
   fitDepthRange(model, camera);

@@ -11,7 +11,9 @@ TEST(Sha256, MatchesThePublishedVector) {
   const std::uint8_t text[] = {'a', 'b', 'c'};
   const std::string expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
   EXPECT_EQ(toHex(sha256(text)), expected);
-  const std::span<const std::uint8_t> pieces[] = {std::span(text).first(1), std::span(text).subspan(1)};
+  const std::span<const std::uint8_t> pieces[] = {
+      std::span(text).first(1),
+      std::span(text).subspan(1)};
   EXPECT_EQ(toHex(sha256(pieces)), expected);
 }
 
