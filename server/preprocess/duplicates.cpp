@@ -33,6 +33,23 @@ bool isDoubtful(Fate fate) {
   return fate == Fate::kTwoSided || fate == Fate::kRepeated;
 }
 
+/// Two or more faces with the same corners: one stays, in the orientation that more have; where
+/// their number is even it is doubtful.
+void settleCopies(std::span<const Key> copies, std::vector<Fate>& fates) {
+  const auto odd = static_cast<std::size_t>(
+      std::count_if(copies.begin(), copies.end(), [](const Key& k) { return k.odd; }));
+  const std::size_t even = copies.size() - odd;
+  const Fate fate = odd == even              ? Fate::kTwoSided
+                    : copies.size() % 2 == 0 ? Fate::kRepeated
+                                             : Fate::kKeep;
+  bool kept = false;
+  for (const Key& copy : copies) {
+    const bool chosen = !kept && (odd == even || copy.odd == (odd > even));
+    fates[copy.face] = chosen ? fate : Fate::kDrop;
+    kept = kept || chosen;
+  }
+}
+
 /// One face of each set of three corners stays, in the orientation that more have; where their
 /// number is even it is marked as doubtful.
 std::vector<Fate> markCopies(std::uint32_t vertexCount, std::span<const glm::uvec3> triangles) {
@@ -66,22 +83,7 @@ std::vector<Fate> markCopies(std::uint32_t vertexCount, std::span<const glm::uve
       std::size_t last = first + 1;
       while (last < keys.size() && keys[last].sameCorners(keys[first]))
         ++last;
-      if (last - first > 1) {
-        const auto odd = std::count_if(
-            keys.begin() + static_cast<std::ptrdiff_t>(first),
-            keys.begin() + static_cast<std::ptrdiff_t>(last),
-            [](const Key& k) { return k.odd; });
-        const auto even = static_cast<std::ptrdiff_t>(last - first) - odd;
-        bool kept = false;
-        const Fate fate = odd == even               ? Fate::kTwoSided
-                          : (last - first) % 2 == 0 ? Fate::kRepeated
-                                                    : Fate::kKeep;
-        for (std::size_t i = first; i < last; ++i) {
-          const bool chosen = !kept && (odd == even || keys[i].odd == (odd > even));
-          fates[keys[i].face] = chosen ? fate : Fate::kDrop;
-          kept = kept || chosen;
-        }
-      }
+      if (last - first > 1) settleCopies(std::span(keys).subspan(first, last - first), fates);
       first = last;
     }
   }
@@ -122,61 +124,89 @@ struct Cluster {
   }
 };
 
-/// Decides for each cluster whether one copy of its faces stays or none.
-void settleDoubtful(
-    std::span<const glm::ivec3> positions,
-    std::span<const glm::uvec3> triangles,
-    std::vector<Fate>& fates) {
-  const EdgeGroups groups(static_cast<std::uint32_t>(positions.size()), triangles);
-  std::vector<std::uint32_t> groupOf(3 * triangles.size());
-  for (std::uint32_t g = 0; g < groups.size(); ++g) {
-    for (const HalfEdgeId h : groups[g])
-      groupOf[h] = g;
+/// Gathers clusters and decides for each whether one copy of its faces stays or none.
+class DoubtfulFaces {
+ public:
+  DoubtfulFaces(
+      std::span<const glm::ivec3> positions,
+      std::span<const glm::uvec3> triangles,
+      std::vector<Fate>& fates)
+      : positions_(positions),
+        triangles_(triangles),
+        fates_(fates),
+        groups_(static_cast<std::uint32_t>(positions.size()), triangles),
+        groupOf_(3 * triangles.size()),
+        seen_(triangles.size(), 0),
+        visitedBy_(groups_.size(), kNone) {
+    for (std::uint32_t g = 0; g < groups_.size(); ++g) {
+      for (const HalfEdgeId h : groups_[g])
+        groupOf_[h] = g;
+    }
   }
-  std::vector<std::uint8_t> seen(triangles.size(), 0);
-  std::vector<std::uint32_t> visitedBy(groups.size(), kNone);
-  for (FaceId seed = 0; seed < triangles.size(); ++seed) {
-    if (!isDoubtful(fates[seed]) || seen[seed] != 0) continue;
+
+  void settle() {
+    for (FaceId seed = 0; seed < triangles_.size(); ++seed) {
+      if (!isDoubtful(fates_[seed]) || seen_[seed] != 0) continue;
+      const Cluster cluster = gather(seed);
+      // Clusters share no edge: a fate settled here is not looked at again.
+      const Fate fate = cluster.keepsOne() ? Fate::kKeep : Fate::kDrop;
+      for (const FaceId face : cluster.faces)
+        fates_[face] = fate;
+    }
+  }
+
+ private:
+  Cluster gather(FaceId seed) {
     Cluster cluster;
     cluster.faces.push_back(seed);
-    seen[seed] = 1;
-    cluster.low = cluster.high = positions[triangles[seed].x];
+    seen_[seed] = 1;
+    cluster.low = cluster.high = positions_[triangles_[seed].x];
     for (std::size_t done = 0; done < cluster.faces.size(); ++done) {
       const FaceId face = cluster.faces[done];
-      const glm::uvec3& t = triangles[face];
-      cluster.twoSided = cluster.twoSided && fates[face] == Fate::kTwoSided;
-      cluster.area += 0.5 * glm::length(glm::cross(
-                                glm::dvec3(positions[t.y] - positions[t.x]),
-                                glm::dvec3(positions[t.z] - positions[t.x])));
-      for (int k = 0; k < 3; ++k) {
-        cluster.low = glm::min(cluster.low, positions[t[k]]);
-        cluster.high = glm::max(cluster.high, positions[t[k]]);
-        const std::uint32_t group = groupOf[3 * face + static_cast<std::uint32_t>(k)];
-        if (visitedBy[group] == seed) continue;
-        visitedBy[group] = seed;
-        std::uint64_t others = 0;
-        for (const HalfEdgeId h : groups[group]) {
-          const FaceId neighbor = h / 3;
-          if (!isDoubtful(fates[neighbor])) {
-            ++others;
-          } else if (seen[neighbor] == 0) {
-            seen[neighbor] = 1;
-            cluster.faces.push_back(neighbor);
-          }
-        }
-        cluster.attached = cluster.attached || others > 0;
-        const bool odd = groups[group].size() % 2 == 1;
-        cluster.bordersIfKept += odd ? 1 : 0;
-        cluster.freeEdges += odd && others == 0 ? 1 : 0;
-        cluster.bordersIfDropped += others % 2;
+      const glm::uvec3& t = triangles_[face];
+      cluster.twoSided = cluster.twoSided && fates_[face] == Fate::kTwoSided;
+      const glm::dvec3 a(positions_[t.x]);
+      const glm::dvec3 b(positions_[t.y]);
+      const glm::dvec3 c(positions_[t.z]);
+      cluster.area += 0.5 * glm::length(glm::cross(b - a, c - a));
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        cluster.low = glm::min(cluster.low, positions_[t[static_cast<int>(k)]]);
+        cluster.high = glm::max(cluster.high, positions_[t[static_cast<int>(k)]]);
+        const std::uint32_t group = groupOf_[3 * face + k];
+        if (visitedBy_[group] != seed) visit(groups_[group], cluster);
+        visitedBy_[group] = seed;
       }
     }
-    // Clusters share no edge: a fate settled here is not looked at again.
-    const Fate fate = cluster.keepsOne() ? Fate::kKeep : Fate::kDrop;
-    for (const FaceId face : cluster.faces)
-      fates[face] = fate;
+    return cluster;
   }
-}
+
+  /// One edge of the cluster: counts its faces, takes in the doubtful ones.
+  void visit(std::span<const HalfEdgeId> group, Cluster& cluster) {
+    std::uint64_t others = 0;
+    for (const HalfEdgeId h : group) {
+      const FaceId neighbor = h / 3;
+      if (!isDoubtful(fates_[neighbor])) {
+        ++others;
+      } else if (seen_[neighbor] == 0) {
+        seen_[neighbor] = 1;
+        cluster.faces.push_back(neighbor);
+      }
+    }
+    const bool odd = group.size() % 2 == 1;
+    cluster.attached = cluster.attached || others > 0;
+    cluster.bordersIfKept += odd ? 1 : 0;
+    cluster.freeEdges += odd && others == 0 ? 1 : 0;
+    cluster.bordersIfDropped += others % 2;
+  }
+
+  std::span<const glm::ivec3> positions_;
+  std::span<const glm::uvec3> triangles_;
+  std::vector<Fate>& fates_;
+  EdgeGroups groups_;
+  std::vector<std::uint32_t> groupOf_;    // one a half-edge
+  std::vector<std::uint8_t> seen_;        // one a face
+  std::vector<std::uint32_t> visitedBy_;  // one a group: the seed of the last cluster that came by
+};
 
 }  // namespace
 
@@ -187,7 +217,7 @@ std::uint64_t dropDuplicates(
   std::vector<Fate> fates = markCopies(static_cast<std::uint32_t>(positions.size()), triangles);
   erase(triangles, fates);
   if (std::any_of(fates.begin(), fates.end(), isDoubtful)) {
-    settleDoubtful(positions, triangles, fates);
+    DoubtfulFaces(positions, triangles, fates).settle();
     erase(triangles, fates);
   }
   return before - triangles.size();

@@ -34,9 +34,9 @@ EdgeGroups::EdgeGroups(std::uint32_t vertexCount, std::span<const glm::uvec3> tr
       return far != other ? far < other : a < b;
     });
     for (std::uint32_t i = bucket[v]; i < bucket[v + 1]; ++i) {
-      const bool last_of_group =
+      const bool lastOfGroup =
           i + 1 == bucket[v + 1] || ends(halfEdges_[i]).second != ends(halfEdges_[i + 1]).second;
-      if (last_of_group) begin_.push_back(i + 1);
+      if (lastOfGroup) begin_.push_back(i + 1);
     }
   }
 }

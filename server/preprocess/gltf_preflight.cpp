@@ -106,6 +106,35 @@ Result<void> checkExtension(const std::string& name) {
           "\", which Limn does not have: export it without");
 }
 
+Result<void> checkRequired(const json& document) {
+  const auto required = document.find("extensionsRequired");
+  if (required == document.end()) return {};
+  if (!required->is_array()) return corrupt("\"extensionsRequired\" is not a list");
+  for (const json& name : *required) {
+    if (!name.is_string()) return corrupt("\"extensionsRequired\" names no extension");
+    if (auto fine = checkExtension(name.get<std::string>()); !fine) return fine;
+  }
+  return {};
+}
+
+/// Every buffer is in this file.
+Result<void> checkBuffers(const json& document) {
+  const auto buffers = document.find("buffers");
+  if (buffers == document.end() || !buffers->is_array()) return {};
+  for (const json& buffer : *buffers) {
+    if (!buffer.is_object()) return corrupt("a buffer is not an object");
+    const auto uri = buffer.find("uri");
+    if (uri == buffer.end()) continue;
+    if (!uri->is_string()) return corrupt("a buffer's address is not text");
+    if (uri->get_ref<const std::string&>().starts_with("data:")) continue;
+    return fail(
+        ErrorCode::kUnsupported,
+        "a buffer is in another file (\"" + uri->get<std::string>().substr(0, 64) +
+            "\"): export as one GLB file, or as glTF with embedded buffers");
+  }
+  return {};
+}
+
 std::string makeGlb(const std::string& text, std::string_view binary) {
   const auto padded = [](std::size_t size) { return (size + 3) / 4 * 4; };
   std::string glb;
@@ -153,29 +182,8 @@ Result<std::string> preflightGltf(std::string_view bytes) {
         "more than 4 million JSON values: keep geometry in binary buffers, or split the model");
   }
   if (document.is_discarded() || !document.is_object()) return corrupt("the JSON cannot be parsed");
-  if (const auto required = document.find("extensionsRequired"); required != document.end()) {
-    if (!required->is_array()) return corrupt("\"extensionsRequired\" is not a list");
-    for (const json& name : *required) {
-      if (!name.is_string()) return corrupt("\"extensionsRequired\" names no extension");
-      if (auto fine = checkExtension(name.get<std::string>()); !fine)
-        return tl::unexpected(fine.error());
-    }
-  }
-  if (const auto buffers = document.find("buffers");
-      buffers != document.end() && buffers->is_array()) {
-    for (const json& buffer : *buffers) {
-      if (!buffer.is_object()) return corrupt("a buffer is not an object");
-      const auto uri = buffer.find("uri");
-      if (uri == buffer.end()) continue;
-      if (!uri->is_string()) return corrupt("a buffer's address is not text");
-      if (!uri->get_ref<const std::string&>().starts_with("data:")) {
-        return fail(
-            ErrorCode::kUnsupported,
-            "a buffer is in another file (\"" + uri->get<std::string>().substr(0, 64) +
-                "\"): export as one GLB file, or as glTF with embedded buffers");
-      }
-    }
-  }
+  if (auto fine = checkRequired(document); !fine) return tl::unexpected(fine.error());
+  if (auto fine = checkBuffers(document); !fine) return tl::unexpected(fine.error());
   const std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
   std::string glb = makeGlb(text, chunks->binary);
   if (glb.empty())

@@ -106,7 +106,7 @@ class GltfReader {
   };
 
   /// The nodes to draw: the default scene's, else the first's, else every root.
-  Result<std::vector<int>> roots() const {
+  [[nodiscard]] Result<std::vector<int>> roots() const {
     if (!model_.scenes.empty()) {
       const int scene = model_.defaultScene < 0 ? 0 : model_.defaultScene;
       if (!has(model_.scenes, scene)) return corrupt("the default scene does not exist");
@@ -179,7 +179,8 @@ class GltfReader {
   }
 
   /// `size` bytes at `offset` of a buffer view, all inside it and its buffer.
-  Result<const unsigned char*> bytesOf(int viewIndex, std::size_t offset, std::size_t size) const {
+  [[nodiscard]] Result<const unsigned char*>
+  bytesOf(int viewIndex, std::size_t offset, std::size_t size) const {
     if (!has(model_.bufferViews, viewIndex))
       return corrupt("an accessor has no data (no such buffer view)");
     const tinygltf::BufferView& view = model_.bufferViews[static_cast<std::size_t>(viewIndex)];
@@ -195,7 +196,7 @@ class GltfReader {
     return buffer.data() + view.byteOffset + offset;
   }
 
-  Result<Items> itemsOf(int accessorIndex) const {
+  [[nodiscard]] Result<Items> itemsOf(int accessorIndex) const {
     if (!has(model_.accessors, accessorIndex))
       return corrupt("a mesh names an accessor that does not exist");
     const tinygltf::Accessor& accessor = model_.accessors[static_cast<std::size_t>(accessorIndex)];
@@ -236,8 +237,8 @@ class GltfReader {
   }
 
   /// An attribute with at least three components and an item for each vertex, where there is one.
-  Result<Items> attribute(const tinygltf::Primitive& primitive, const char* name, std::size_t count)
-      const {
+  [[nodiscard]] Result<Items>
+  attribute(const tinygltf::Primitive& primitive, const char* name, std::size_t count) const {
     const auto found = primitive.attributes.find(name);
     if (found == primitive.attributes.end()) return Items{};
     auto items = itemsOf(found->second);
@@ -246,81 +247,89 @@ class GltfReader {
     return items;
   }
 
-  Result<void> addPrimitive(const tinygltf::Primitive& primitive, const glm::dmat4& modelFromNode) {
-    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-    if (mode < TINYGLTF_MODE_TRIANGLES) return {};  // points and lines
-    if (mode > TINYGLTF_MODE_TRIANGLE_FAN) return corrupt("a primitive has an unknown mode");
+  /// A primitive's accessors, checked.
+  struct Source {
+    Items positions;
+    Items normals;  // count 0 where there are none
+    Items colors;
+    Items indices;
+
+    [[nodiscard]] std::size_t corners() const {
+      return indices.count > 0 ? indices.count : positions.count;
+    }
+
+    [[nodiscard]] std::size_t vertex(std::size_t corner) const {
+      return indices.count > 0 ? static_cast<std::size_t>(indices.at(corner, 0)) : corner;
+    }
+  };
+
+  [[nodiscard]] Result<Source> sourceOf(const tinygltf::Primitive& primitive) const {
     const auto positions = attribute(primitive, "POSITION", 0);
     if (!positions) return tl::unexpected(positions.error());
-    if (positions->count == 0) return {};
     const auto normals = attribute(primitive, "NORMAL", positions->count);
     if (!normals) return tl::unexpected(normals.error());
     const auto colors = attribute(primitive, "COLOR_0", positions->count);
     if (!colors) return tl::unexpected(colors.error());
-    Items indices;
-    if (primitive.indices >= 0) {
-      auto read = itemsOf(primitive.indices);
-      if (!read) return tl::unexpected(read.error());
-      if (read->components != 1 || read->type == TINYGLTF_COMPONENT_TYPE_FLOAT)
-        return corrupt("indices are not whole numbers");
-      indices = *read;
+    if (primitive.indices < 0) return Source{*positions, *normals, *colors, {}};
+    const auto indices = itemsOf(primitive.indices);
+    if (!indices) return tl::unexpected(indices.error());
+    if (indices->components != 1 || indices->type == TINYGLTF_COMPONENT_TYPE_FLOAT) {
+      return corrupt("indices are not whole numbers");
     }
-    const std::size_t count = primitive.indices >= 0 ? indices.count : positions->count;
+    return Source{*positions, *normals, *colors, *indices};
+  }
 
-    const glm::dmat3 linear(modelFromNode);
-    const glm::dmat3 normalMatrix = glm::inverseTranspose(linear);
-    const bool mirrored = glm::determinant(linear) < 0.0;
+  Result<void> addPrimitive(const tinygltf::Primitive& primitive, const glm::dmat4& modelFromNode) {
+    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    if (mode < TINYGLTF_MODE_TRIANGLES) return {};  // points and lines
+    if (mode > TINYGLTF_MODE_TRIANGLE_FAN) return corrupt("a primitive has an unknown mode");
+    const auto source = sourceOf(primitive);
+    if (!source) return tl::unexpected(source.error());
     // Many primitives may share one large accessor: only vertices in use are taken.
-    if (slots_.size() < positions->count) slots_.resize(positions->count, kNone);
-    std::vector<std::size_t> taken;
-    const auto corner = [&](std::size_t i) {
-      const double value = primitive.indices >= 0 ? indices.at(i, 0) : static_cast<double>(i);
-      const auto vertex = static_cast<std::size_t>(value);
-      if (vertex >= positions->count) return kNone;
-      if (slots_[vertex] == kNone) {
-        slots_[vertex] = static_cast<std::uint32_t>(mesh_.positions.size());
-        taken.push_back(vertex);
-        mesh_.positions.push_back(
-            glm::dvec3(modelFromNode * glm::dvec4(positions->vec3(vertex), 1.0)));
-        if (normals->count > 0)
-          mesh_.normals.push_back(glm::vec3(normalMatrix * normals->vec3(vertex)));
-        if (colors->count > 0) mesh_.colors.push_back(glm::vec3(colors->vec3(vertex)));
-      }
-      return slots_[vertex];
-    };
-    const auto addTriangle = [&](std::size_t a, std::size_t b, std::size_t c) {
-      for (const std::size_t i : {a, mirrored ? c : b, mirrored ? b : c})
-        mesh_.corners.push_back(corner(i));
-      endPolygon(mesh_);
-    };
+    if (slots_.size() < source->positions.count) slots_.resize(source->positions.count, kNone);
+    const bool mirrored = glm::determinant(glm::dmat3(modelFromNode)) < 0.0;
     const std::size_t step = mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1;
     bool tooMuch = false;
-    for (std::size_t i = 0; i + 2 < count && !tooMuch; i += step) {
-      if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
-        addTriangle(0, i + 1, i + 2);
-      } else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP && i % 2 == 1) {
-        addTriangle(i, i + 2, i + 1);
-      } else {
-        addTriangle(i, i + 1, i + 2);
+    for (std::size_t i = 0; i + 2 < source->corners() && !tooMuch; i += step) {
+      const std::size_t first = mode == TINYGLTF_MODE_TRIANGLE_FAN ? 0 : i;
+      const bool odd = mode == TINYGLTF_MODE_TRIANGLE_STRIP && i % 2 == 1;
+      const bool swapped = odd != mirrored;
+      for (const std::size_t corner : {first, swapped ? i + 2 : i + 1, swapped ? i + 1 : i + 2}) {
+        mesh_.corners.push_back(place(*source, source->vertex(corner), modelFromNode));
       }
+      endPolygon(mesh_);
       tooMuch = mesh_.corners.size() > maxCorners_ || mesh_.corners.size() > kNone - 3;
     }
-    for (const std::size_t vertex : taken)
+    for (const std::size_t vertex : taken_)
       slots_[vertex] = kNone;
-    if (tooMuch) {
-      return fail(
-          ErrorCode::kLimitExceeded,
-          "the scene's instances add up to far more faces than the file holds: export fewer of "
-          "them, or "
-          "split the model");
+    taken_.clear();
+    if (!tooMuch) return {};
+    return fail(
+        ErrorCode::kLimitExceeded,
+        "the scene's instances add up to far more faces than the file holds: export fewer of "
+        "them, or split the model");
+  }
+
+  /// The mesh's vertex for a vertex of the primitive being added.
+  std::uint32_t place(const Source& source, std::size_t vertex, const glm::dmat4& modelFromNode) {
+    if (vertex >= source.positions.count) return kNone;
+    if (slots_[vertex] != kNone) return slots_[vertex];
+    slots_[vertex] = static_cast<std::uint32_t>(mesh_.positions.size());
+    taken_.push_back(vertex);
+    mesh_.positions.emplace_back(modelFromNode * glm::dvec4(source.positions.vec3(vertex), 1.0));
+    if (source.normals.count > 0) {
+      const glm::dmat3 normalMatrix = glm::inverseTranspose(glm::dmat3(modelFromNode));
+      mesh_.normals.emplace_back(normalMatrix * source.normals.vec3(vertex));
     }
-    return {};
+    if (source.colors.count > 0) mesh_.colors.emplace_back(source.colors.vec3(vertex));
+    return slots_[vertex];
   }
 
   const tinygltf::Model& model_;
   const std::size_t maxCorners_;
   ImportedMesh mesh_;
   std::vector<std::uint32_t> slots_;  // of the primitive being added; kNone elsewhere
+  std::vector<std::size_t> taken_;    // which slots are in use
 };
 
 /// Pictures are not decoded, and no file is opened.

@@ -5,6 +5,7 @@
 
 #include "shared/core/ids.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -74,82 +75,115 @@ Result<void> checkCounts(
   return {};
 }
 
-Result<ImportedMesh>
-readText(TextScanner& scanner, const Variant& variant, std::string_view firstCount) {
-  const auto broken = [&](std::string_view what) {
+/// OFF as text, behind its keyword.
+class TextReader {
+ public:
+  TextReader(TextScanner& scanner, const Variant& variant) : scanner_(scanner), variant_(variant) {}
+
+  Result<ImportedMesh> read(std::string_view firstCount) {
+    const Number vertices = parseNumber(firstCount);
+    const Number faces = parseNumber(scanner_.token());
+    if (vertices.status != Number::Status::kOk || faces.status != Number::Status::kOk) {
+      return broken("the OFF header needs the numbers of vertices and faces");
+    }
+    scanner_.nextLine();  // number of edges, unused by everybody
+    const double vertexBytes = variant_.homogeneous ? 8.0 : 6.0;
+    const auto sane =
+        checkCounts(vertices.value, faces.value, vertexBytes, 2.0, scanner_.remaining());
+    if (!sane) return tl::unexpected(sane.error());
+    mesh_.format = "off";
+    const auto vertexCount = static_cast<std::size_t>(vertices.value);
+    mesh_.positions.reserve(vertexCount);
+    for (std::size_t v = 0; v < vertexCount; ++v) {
+      if (auto done = readVertex(); !done) return tl::unexpected(done.error());
+    }
+    const auto faceCount = static_cast<std::size_t>(faces.value);
+    for (std::size_t f = 0; f < faceCount; ++f) {
+      if (auto done = readFace(); !done) return tl::unexpected(done.error());
+    }
+    linearizeColors();
+    return std::move(mesh_);
+  }
+
+ private:
+  [[nodiscard]] tl::unexpected<Error> broken(std::string_view what) const {
     return fail(
         ErrorCode::kCorrupt,
-        atLine(scanner.line(), what) + ": the OFF file is damaged; export it again");
-  };
-  const Number vertices = parseNumber(firstCount);
-  const Number faces = parseNumber(scanner.token());
-  if (vertices.status != Number::Status::kOk || faces.status != Number::Status::kOk) {
-    return broken("the OFF header needs the numbers of vertices and faces");
+        atLine(scanner_.line(), what) + ": the OFF file is damaged; export it again");
   }
-  scanner.nextLine();  // number of edges, unused by everybody
-  const double coordinates = variant.homogeneous ? 4.0 : 3.0;
-  if (auto sane =
-          checkCounts(vertices.value, faces.value, 2.0 * coordinates, 2.0, scanner.remaining());
-      !sane) {
-    return tl::unexpected(sane.error());
-  }
-  ImportedMesh mesh;
-  mesh.format = "off";
-  mesh.positions.reserve(static_cast<std::size_t>(vertices.value));
-  for (double v = 0; v < vertices.value; ++v) {
+
+  Result<void> readVertex() {
     std::array<double, 4> position{0.0, 0.0, 0.0, 1.0};
-    for (int k = 0; k < (variant.homogeneous ? 4 : 3); ++k) {
-      const std::string_view token = k == 0 ? scanner.token() : scanner.tokenOnLine();
-      if (token.empty() && scanner.atEnd()) return cut();
+    for (std::size_t k = 0; k < (variant_.homogeneous ? 4U : 3U); ++k) {
+      const std::string_view token = k == 0 ? scanner_.token() : scanner_.tokenOnLine();
+      if (token.empty() && scanner_.atEnd()) return cut();
       const Number number = parseNumber(token);
-      if (number.status == Number::Status::kTooLarge)
+      if (number.status == Number::Status::kTooLarge) {
         return broken("a coordinate is beyond the range of a double");
-      if (number.status == Number::Status::kMalformed)
+      }
+      if (number.status == Number::Status::kMalformed) {
         return broken("a vertex needs three numbers");
-      position[static_cast<std::size_t>(k)] = number.value;
+      }
+      position[k] = number.value;
     }
-    mesh.positions.emplace_back(
-        position[0] / position[3],
-        position[1] / position[3],
-        position[2] / position[3]);
-    const auto readThree = [&](double scale) {
-      glm::vec3 value(0.0F);
-      for (int k = 0; k < 3; ++k)
-        value[k] = static_cast<float>(parseNumber(scanner.tokenOnLine()).value * scale);
-      return value;
-    };
-    if (variant.normals) mesh.normals.push_back(readThree(1.0));
-    if (variant.colors) mesh.colors.push_back(readThree(1.0));
-    scanner.nextLine();
+    const double w = position[3];
+    mesh_.positions.emplace_back(position[0] / w, position[1] / w, position[2] / w);
+    if (variant_.normals) mesh_.normals.push_back(readThree());
+    if (variant_.colors) mesh_.colors.push_back(readThree());
+    scanner_.nextLine();
+    return {};
   }
-  for (double f = 0; f < faces.value; ++f) {
-    const std::string_view token = scanner.token();
+
+  glm::vec3 readThree() {
+    glm::vec3 value(0.0F);
+    for (int k = 0; k < 3; ++k) {
+      value[k] = static_cast<float>(parseNumber(scanner_.tokenOnLine()).value);
+    }
+    return value;
+  }
+
+  Result<void> readFace() {
+    const std::string_view token = scanner_.token();
     if (token.empty()) return cut();
     const Number count = parseNumber(token);
-    if (count.status != Number::Status::kOk || !(count.value >= 0.0))
+    if (count.status != Number::Status::kOk || !(count.value >= 0.0)) {
       return broken("a face needs its number of corners");
-    if (count.value > static_cast<double>(scanner.remaining())) return cut();
-    for (double k = 0; k < count.value; ++k) {
-      const std::string_view corner = scanner.token();
+    }
+    if (count.value > static_cast<double>(scanner_.remaining())) return cut();
+    const auto corners = static_cast<std::size_t>(count.value);
+    for (std::size_t k = 0; k < corners; ++k) {
+      const std::string_view corner = scanner_.token();
       if (corner.empty()) return cut();
       const Number index = parseNumber(corner);
-      if (index.status == Number::Status::kMalformed)
+      if (index.status == Number::Status::kMalformed) {
         return broken("a face's corner is not a number");
-      mesh.corners.push_back(vertexIndex(index.value));
+      }
+      mesh_.corners.push_back(vertexIndex(index.value));
     }
-    endPolygon(mesh);
-    scanner.nextLine();  // its colour, if any
+    endPolygon(mesh_);
+    scanner_.nextLine();  // its colour, if any
+    return {};
   }
-  // Colours are 0 … 255 or 0 … 1, and only the numbers tell which.
-  bool bytes = false;
-  for (const glm::vec3& color : mesh.colors)
-    bytes = bytes || color.r > 1.0F || color.g > 1.0F || color.b > 1.0F;
-  for (glm::vec3& color : mesh.colors) {
-    for (int k = 0; k < 3; ++k)
-      color[k] = linearFromSrgb(bytes ? color[k] / 255.0 : static_cast<double>(color[k]));
+
+  /// Colours are 0 … 255 or 0 … 1, and only the numbers tell which.
+  void linearizeColors() {
+    const double scale =
+        std::any_of(
+            mesh_.colors.begin(),
+            mesh_.colors.end(),
+            [](const glm::vec3& c) { return c.r > 1.0F || c.g > 1.0F || c.b > 1.0F; })
+            ? 255.0
+            : 1.0;
+    for (glm::vec3& color : mesh_.colors) {
+      for (int k = 0; k < 3; ++k)
+        color[k] = linearFromSrgb(static_cast<double>(color[k]) / scale);
+    }
   }
-  return mesh;
-}
+
+  TextScanner& scanner_;
+  Variant variant_;
+  ImportedMesh mesh_;
+};
 
 /// Big-endian 32-bit words, as OFF BINARY has them.
 class Words {
@@ -181,6 +215,30 @@ class Words {
   bool failed_ = false;
 };
 
+void readBinaryVertex(Words& words, const Variant& variant, ImportedMesh& mesh) {
+  const auto readThree = [&] {
+    glm::vec3 three(0.0F);
+    for (int k = 0; k < 3; ++k)
+      three[k] = words.nextFloat();
+    return three;
+  };
+  glm::dvec3 position(readThree());
+  if (variant.homogeneous) position /= static_cast<double>(words.nextFloat());
+  mesh.positions.push_back(position);
+  if (variant.normals) mesh.normals.push_back(readThree());
+  if (variant.colors) {
+    glm::vec3 color = readThree();
+    for (int k = 0; k < 3; ++k)
+      color[k] = linearFromSrgb(static_cast<double>(color[k]));
+    mesh.colors.push_back(color);
+    (void)words.nextFloat();  // alpha
+  }
+  if (variant.textureCoordinates) {
+    (void)words.nextFloat();
+    (void)words.nextFloat();
+  }
+}
+
 Result<ImportedMesh> readBinary(std::string_view body, const Variant& variant) {
   Words words(body);
   const std::int32_t vertices = words.nextInt();
@@ -195,27 +253,8 @@ Result<ImportedMesh> readBinary(std::string_view body, const Variant& variant) {
   ImportedMesh mesh;
   mesh.format = "off";
   mesh.positions.reserve(static_cast<std::size_t>(vertices));
-  for (std::int32_t v = 0; v < vertices; ++v) {
-    glm::dvec3 position;
-    for (int k = 0; k < 3; ++k)
-      position[k] = static_cast<double>(words.nextFloat());
-    if (variant.homogeneous) position /= static_cast<double>(words.nextFloat());
-    mesh.positions.push_back(position);
-    glm::vec3 three;
-    if (variant.normals) {
-      for (int k = 0; k < 3; ++k)
-        three[k] = words.nextFloat();
-      mesh.normals.push_back(three);
-    }
-    if (variant.colors) {
-      for (int k = 0; k < 3; ++k)
-        three[k] = linearFromSrgb(static_cast<double>(words.nextFloat()));
-      (void)words.nextFloat();
-      mesh.colors.push_back(three);
-    }
-    for (int k = 0; k < (variant.textureCoordinates ? 2 : 0); ++k)
-      (void)words.nextFloat();
-  }
+  for (std::int32_t v = 0; v < vertices; ++v)
+    readBinaryVertex(words, variant, mesh);
   for (std::int32_t f = 0; f < faces; ++f) {
     const std::int32_t count = words.nextInt();
     if (count < 0 || static_cast<std::size_t>(count) > words.remaining()) return cut();
@@ -251,7 +290,7 @@ Result<ImportedMesh> readOff(std::string_view bytes) {
       return readBinary(bytes.substr(newline + 1), variant);
     }
   }
-  return readText(scanner, variant, word);
+  return TextReader(scanner, variant).read(word);
 }
 
 }  // namespace limn::import

@@ -198,6 +198,28 @@ Result<Property> parseProperty(TextScanner& words) {
   return property;
 }
 
+Result<Encoding> parseEncoding(std::string_view name) {
+  if (name == "ascii") return Encoding::kText;
+  if (name == "binary_little_endian") return Encoding::kLittleEndian;
+  if (name == "binary_big_endian") return Encoding::kBigEndian;
+  return fail(
+      ErrorCode::kUnsupported,
+      "unknown PLY format \"" + std::string(name.substr(0, 32)) +
+          "\": export as ascii, binary_little_endian or binary_big_endian");
+}
+
+Result<Element> parseElement(TextScanner& words) {
+  Element element;
+  element.name = words.tokenOnLine();
+  const std::string_view count = words.tokenOnLine();
+  const auto [stop, error] =
+      std::from_chars(count.data(), count.data() + count.size(), element.count);
+  if (error == std::errc{} && stop == count.data() + count.size()) return element;
+  return corrupt(
+      "the PLY header promises \"" + std::string(count.substr(0, 32)) + "\" of element \"" +
+      element.name.substr(0, 32) + "\", which is no count: the file is damaged; export it again");
+}
+
 Result<Header> parseHeader(std::string_view bytes) {
   constexpr std::size_t kMaxElements = 256;
   constexpr std::size_t kMaxProperties = 4096;
@@ -216,38 +238,19 @@ Result<Header> parseHeader(std::string_view bytes) {
     if (keyword == "end_header") break;
     if (keyword.empty() || keyword == "comment" || keyword == "obj_info") continue;
     if (keyword == "format") {
-      const std::string_view encoding = words.tokenOnLine();
-      if (encoding == "ascii") {
-        header.encoding = Encoding::kText;
-      } else if (encoding == "binary_little_endian") {
-        header.encoding = Encoding::kLittleEndian;
-      } else if (encoding == "binary_big_endian") {
-        header.encoding = Encoding::kBigEndian;
-      } else {
-        return fail(
-            ErrorCode::kUnsupported,
-            "unknown PLY format \"" + std::string(encoding.substr(0, 32)) +
-                "\": export as ascii, binary_little_endian or binary_big_endian");
-      }
+      const auto encoding = parseEncoding(words.tokenOnLine());
+      if (!encoding) return tl::unexpected(encoding.error());
+      header.encoding = *encoding;
       formatKnown = true;
     } else if (keyword == "element") {
-      Element element;
-      element.name = words.tokenOnLine();
-      const std::string_view count = words.tokenOnLine();
-      const auto [stop, error] =
-          std::from_chars(count.data(), count.data() + count.size(), element.count);
-      if (error != std::errc{} || stop != count.data() + count.size()) {
-        return corrupt(
-            "the PLY header promises \"" + std::string(count.substr(0, 32)) + "\" of element \"" +
-            element.name.substr(0, 32) +
-            "\", which is no count: the file is damaged; export it again");
-      }
+      auto element = parseElement(words);
+      if (!element) return tl::unexpected(element.error());
       if (header.elements.size() == kMaxElements) {
         return fail(
             ErrorCode::kLimitExceeded,
             "the PLY header has more than 256 elements: the file is damaged");
       }
-      header.elements.push_back(std::move(element));
+      header.elements.push_back(std::move(*element));
     } else if (keyword == "property") {
       if (header.elements.empty())
         return corrupt("a property before any element in the PLY header: the file is damaged");
@@ -328,7 +331,7 @@ class BinaryValues {
       failed_ = true;
       return Value{};
     }
-    std::array<char, sizeof(Raw)> raw;
+    std::array<char, sizeof(Raw)> raw{};
     std::memcpy(raw.data(), at_, sizeof(Raw));
     at_ += sizeof(Raw);
     if constexpr (kSwap) std::reverse(raw.begin(), raw.end());
@@ -429,10 +432,8 @@ class BodyReader {
   /// The length of a list; past what is left of the file the reader has failed.
   std::uint64_t listLength(const Property& property) {
     const double length = values_.next(*property.countType);
-    if (length >= 0.0 &&
-        length <=
-            static_cast<double>(values_.remaining() / Values::leastBytes(property.type)) + 1.0 &&
-        length == std::floor(length)) {
+    const std::uint64_t fits = values_.remaining() / Values::leastBytes(property.type) + 1;
+    if (length >= 0.0 && length <= static_cast<double>(fits) && length == std::floor(length)) {
       return static_cast<std::uint64_t>(length);
     }
     listProblem_ = "a list in the PLY file claims " +

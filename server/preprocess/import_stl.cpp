@@ -39,14 +39,34 @@ Result<ImportedMesh> readStlBinary(std::string_view bytes) {
   for (std::size_t f = 0; f < count; ++f) {
     float corners[9];
     std::memcpy(corners, bytes.data() + kHeader + f * kFacet + 12, sizeof corners);
-    for (int k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < 9; k += 3) {
       mesh.corners.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
-      mesh.positions.emplace_back(corners[3 * k], corners[3 * k + 1], corners[3 * k + 2]);
+      mesh.positions.emplace_back(corners[k], corners[k + 1], corners[k + 2]);
     }
     endPolygon(mesh);
   }
   return mesh;
 }
+
+namespace {
+
+/// The three numbers after "vertex", or what is wrong with them.
+tl::expected<glm::dvec3, std::string_view> parseVertex(TextScanner& scanner) {
+  glm::dvec3 position(0.0);
+  for (int k = 0; k < 3; ++k) {
+    const Number number = parseNumber(scanner.tokenOnLine());
+    if (number.status == Number::Status::kTooLarge) {
+      return tl::unexpected<std::string_view>("a coordinate is beyond the range of a double");
+    }
+    if (number.status == Number::Status::kMalformed) {
+      return tl::unexpected<std::string_view>("a vertex needs three numbers");
+    }
+    position[k] = number.value;
+  }
+  return position;
+}
+
+}  // namespace
 
 Result<ImportedMesh> readStlText(std::string_view text) {
   TextScanner scanner(text);
@@ -62,18 +82,10 @@ Result<ImportedMesh> readStlText(std::string_view text) {
   for (std::string_view word = scanner.token(); !word.empty(); word = scanner.token()) {
     if (equalsIgnoringCase(word, "vertex")) {
       if (!inFacet) return broken("a vertex outside a facet");
-      glm::dvec3 position;
-      for (int k = 0; k < 3; ++k) {
-        const Number number = parseNumber(scanner.tokenOnLine());
-        if (number.status == Number::Status::kTooLarge) {
-          return broken("a coordinate is beyond the range of a double");
-        }
-        if (number.status == Number::Status::kMalformed)
-          return broken("a vertex needs three numbers");
-        position[k] = number.value;
-      }
+      const auto position = parseVertex(scanner);
+      if (!position) return broken(position.error());
       mesh.corners.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
-      mesh.positions.push_back(position);
+      mesh.positions.push_back(*position);
     } else if (equalsIgnoringCase(word, "facet")) {
       if (inFacet) return broken("a facet inside a facet");
       inFacet = true;

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <span>
 
 namespace limn::repair {
 
@@ -93,51 +95,64 @@ void turn(Manifold& mesh, const Component& component) {
   }
 }
 
+/// For each component the outermost one that contains it, itself where none does. Only components
+/// whose orientation is the file's own take part.
+std::vector<std::uint32_t> findOutermost(
+    const Manifold& mesh,
+    std::span<const Component> components) {
+  std::vector<std::uint32_t> outermost(components.size());
+  std::iota(outermost.begin(), outermost.end(), 0U);
+  // Only an inward component makes it matter who contains whom.
+  const bool anyInward = std::any_of(components.begin(), components.end(), [](const Component& c) {
+    return c.closed && c.authored && c.volume6 < 0;
+  });
+  if (!anyInward || components.size() == 1) return outermost;
+
+  std::vector<std::uint32_t> bySize;
+  for (const std::uint32_t i : outermost) {
+    const Component& component = components[i];
+    if (component.closed && component.authored && component.volume6 != 0) bySize.push_back(i);
+  }
+  const auto size = [&](std::uint32_t i) {
+    return components[i].volume6 < 0 ? -components[i].volume6 : components[i].volume6;
+  };
+  std::stable_sort(bySize.begin(), bySize.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return size(a) > size(b);
+  });
+  std::uint64_t angles = kMaxSolidAngles;
+  std::uint64_t boxes = kMaxSolidAngles;
+  const auto contains = [&](const Component& outer, const Component& inner) {
+    if (boxes == 0 || !outer.boxContains(inner)) return false;
+    if (outer.faces.size() > angles) return false;
+    angles -= outer.faces.size();
+    const glm::dvec3 probe(mesh.positions[mesh.triangles[inner.faces[0]].x]);
+    return std::abs(windingNumber(mesh, outer, probe)) > 0.75;
+  };
+  // Roots are few in a file of many parts; a box test spares nearly all of the rest.
+  std::vector<std::uint32_t> roots;
+  for (const std::uint32_t i : bySize) {
+    const auto root = std::find_if(roots.begin(), roots.end(), [&](std::uint32_t candidate) {
+      const bool inside = contains(components[candidate], components[i]);
+      boxes -= boxes > 0 ? 1 : 0;
+      return inside;
+    });
+    if (root == roots.end()) {
+      roots.push_back(i);
+    } else {
+      outermost[i] = *root;
+    }
+  }
+  return outermost;
+}
+
 }  // namespace
 
 void orientOutward(Manifold& mesh) {
   const std::vector<Component> components = findComponents(mesh);
-  const auto count = static_cast<std::uint32_t>(components.size());
-  // An inward component is a cavity when the file says so, face for face, and the whole lies inside
-  // another closed one. Only then is the work of finding out who contains whom due.
-  const bool anyInward = std::any_of(components.begin(), components.end(), [](const Component& c) {
-    return c.closed && c.authored && c.volume6 < 0;
-  });
-  std::vector<std::uint32_t> outermost(count);
-  for (std::uint32_t i = 0; i < count; ++i)
-    outermost[i] = i;
-  if (anyInward && count > 1) {
-    std::uint64_t budget = kMaxSolidAngles;
-    std::vector<std::uint32_t> bySize;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      if (components[i].closed && components[i].authored && components[i].volume6 != 0)
-        bySize.push_back(i);
-    }
-    const auto size = [&](std::uint32_t i) {
-      return components[i].volume6 < 0 ? -components[i].volume6 : components[i].volume6;
-    };
-    std::stable_sort(bySize.begin(), bySize.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return size(a) > size(b);
-    });
-    // Roots are few in a file of many parts; a box test spares nearly all of the rest.
-    std::vector<std::uint32_t> roots;
-    std::uint64_t boxBudget = kMaxSolidAngles;
-    for (const std::uint32_t i : bySize) {
-      for (const std::uint32_t root : roots) {
-        if (boxBudget == 0 || --boxBudget == 0) break;
-        if (!components[root].boxContains(components[i])) continue;
-        if (components[root].faces.size() > budget) break;
-        budget -= components[root].faces.size();
-        const glm::dvec3 probe(mesh.positions[mesh.triangles[components[i].faces[0]].x]);
-        if (std::abs(windingNumber(mesh, components[root], probe)) > 0.75) {
-          outermost[i] = root;
-          break;
-        }
-      }
-      if (outermost[i] == i) roots.push_back(i);
-    }
-  }
-  for (std::uint32_t i = 0; i < count; ++i) {
+  // A component that the file orients inward, face for face, inside another closed one is a cavity:
+  // it turns with the outermost one or not at all.
+  const std::vector<std::uint32_t> outermost = findOutermost(mesh, components);
+  for (std::size_t i = 0; i < components.size(); ++i) {
     if (components[i].closed && components[outermost[i]].volume6 < 0) turn(mesh, components[i]);
   }
   // Turning exchanges corners y and z: half-edges change numbers and so do their twins.

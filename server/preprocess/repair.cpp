@@ -19,32 +19,37 @@ struct InputShape {
   bool closed = false;
 };
 
-/// Pieces connected over shared edges, and whether no edge has only one face. In formats that store
-/// a vertex once for each face or smooth group, equal positions are taken as one vertex.
-InputShape measureInput(const ImportedMesh& input) {
-  const auto polygons = static_cast<std::uint32_t>(input.polygonBegin.size() - 1);
+/// The vertex that stands for each vertex: itself, but in formats that store a vertex once for each
+/// face or smooth group, the first at its position.
+std::vector<std::uint32_t> representatives(const ImportedMesh& input) {
   std::vector<std::uint32_t> same(input.positions.size());
   std::iota(same.begin(), same.end(), 0U);
-  if (input.format == "stl" || input.format == "glb" || input.format == "gltf") {
-    std::vector<std::uint32_t> order = same;
-    const auto less = [&](std::uint32_t a, std::uint32_t b) {
-      const glm::dvec3& p = input.positions[a];
-      const glm::dvec3& q = input.positions[b];
-      if (p.x < q.x || q.x < p.x) return p.x < q.x;
-      if (p.y < q.y || q.y < p.y) return p.y < q.y;
-      if (p.z < q.z || q.z < p.z) return p.z < q.z;
-      return a < b;
-    };
-    // NaN has no place in an order; such vertices stay alone, at the end.
-    const auto finite = std::partition(order.begin(), order.end(), [&](std::uint32_t v) {
-      return !glm::any(glm::isnan(input.positions[v]));
-    });
-    std::sort(order.begin(), finite, less);
-    for (auto it = order.begin(); it != finite; ++it) {
-      if (it != order.begin() && input.positions[*(it - 1)] == input.positions[*it])
-        same[*it] = same[*(it - 1)];
-    }
+  if (input.format != "stl" && input.format != "glb" && input.format != "gltf") return same;
+  std::vector<std::uint32_t> order = same;
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    const glm::dvec3& p = input.positions[a];
+    const glm::dvec3& q = input.positions[b];
+    if (p.x < q.x || q.x < p.x) return p.x < q.x;
+    if (p.y < q.y || q.y < p.y) return p.y < q.y;
+    if (p.z < q.z || q.z < p.z) return p.z < q.z;
+    return a < b;
+  };
+  // NaN has no place in an order; such vertices stay alone, at the end.
+  const auto finite = std::partition(order.begin(), order.end(), [&](std::uint32_t v) {
+    return !glm::any(glm::isnan(input.positions[v]));
+  });
+  std::sort(order.begin(), finite, less);
+  for (auto it = order.begin(); it != finite; ++it) {
+    if (it != order.begin() && input.positions[*(it - 1)] == input.positions[*it])
+      same[*it] = same[*(it - 1)];
   }
+  return same;
+}
+
+/// Pieces connected over shared edges, and whether no edge has only one face.
+InputShape measureInput(const ImportedMesh& input) {
+  const auto polygons = static_cast<std::uint32_t>(input.polygonBegin.size() - 1);
+  const std::vector<std::uint32_t> same = representatives(input);
 
   struct Side {
     std::uint64_t edge;
