@@ -2,6 +2,7 @@
 #include "server/preprocess/pipeline.h"
 
 #include "server/preprocess/asset_sections.h"
+#include "server/preprocess/build_seeds.h"
 #include "server/preprocess/import.h"
 
 #include "shared/progressive/split_forest.h"
@@ -260,11 +261,17 @@ Result<PreparedModel> prepareModel(
   stages.simplify = watch.lap();
 
   progress("seeds", 0.7);
-  const SeedTable seeds;
+  const TriangleMesh prepared = fullMesh(built->forest);
+  const auto seeds = buildSeeds(
+      prepared,
+      built->forest.parents,
+      built->forest.baseVertexCount(),
+      {.azimuths = options.seedAzimuths, .elevations = options.seedElevations});
+  if (!seeds) return tl::unexpected(seeds.error().within("seeds"));
   stages.seeds = watch.lap();
 
   progress("encode", 0.85);
-  const WireSections wire = encodeWireSections(*built, seeds, {*id, repaired->closed});
+  const WireSections wire = encodeWireSections(*built, *seeds, {*id, repaired->closed});
   stages.encode = watch.lap();
 
   Json report = makeReport(*imported, *repaired, *built, wire, options);
@@ -278,7 +285,7 @@ Result<PreparedModel> prepareModel(
   return PreparedModel{
       name,
       *id,
-      fullMesh(built->forest),
+      prepared,
       headed(name, *id, input, std::move(report))};
 }
 
