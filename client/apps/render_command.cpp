@@ -17,6 +17,7 @@
 #include "client/render/renderer.h"
 #include "client/stroke/visibility.h"
 
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -211,7 +212,11 @@ class Drawing {
   }
 
   Result<void> drawFrame(const Camera& camera, std::uint32_t index) {
-    if (!finder_) finder_.emplace(outcome_.snapshot, lineOptions(options_));
+    if (!finder_) {
+      finder_.emplace(outcome_.snapshot, lineOptions(options_));
+      // Working memory grows on first use; the frames timed are those of a view that is going on.
+      static_cast<void>(finder_->find(camera));
+    }
     auto found = finder_->find(camera);
     const bool last = index + 1 == options_.frames;
     const bool needsDepth = last && (!options_.dumpLines.empty() || !options_.reference.empty());
@@ -337,6 +342,13 @@ Result<void> runRender(const RenderCommandOptions& options) {
   auto outcome = reach();
   if (!outcome) return tl::unexpected(outcome.error());
 
+  const auto& seeds = outcome->snapshot->seeds;
+  if (options.detector == DetectorMethod::kPrecomputed && (!seeds || seeds->seeds.empty())) {
+    std::fputs(
+        "limn-client: no silhouette seeds have come for this model: --detector precomputed finds "
+        "nothing\n",
+        stderr);
+  }
   Drawing drawing(options, source->model, std::move(*outcome));
   if (needsPicture(options)) {
     for (std::uint32_t i = 0; i < options.frames; ++i) {
