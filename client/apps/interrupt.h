@@ -4,7 +4,7 @@
 namespace limn {
 
 /// From now on SIGINT and SIGTERM only set what interrupted() reports, so that temporary files are
-/// removed on the way out; a second one ends the program at once.
+/// removed on the way out; a third one ends the program at once.
 void watchForInterrupts();
 [[nodiscard]] bool interrupted();
 
