@@ -21,7 +21,8 @@ struct RepairOptions {
 };
 
 /// What is streamed: an oriented manifold on the grid, without degenerate or duplicate faces or
-/// isolated vertices; closed components outward.
+/// isolated vertices; closed components outward, cavities inward. Faces whose three different
+/// corners lie on one line remain: without them their neighbours would have holes.
 struct RepairedMesh {
   TriangleMesh mesh;
   RepairCounts repairs;
@@ -33,7 +34,7 @@ struct RepairedMesh {
   bool closed = false;  // of the result
 };
 
-/// Quantises, then repairs, in the order design of the asset demands (README.md). Deterministic.
+/// Quantises, then repairs, in the order that README.md gives and explains. Deterministic.
 /// Errors: kCorrupt or kUnsupported when nothing drawable is left, with the reason.
 [[nodiscard]] Result<RepairedMesh> repairMesh(
     const ImportedMesh& input,
