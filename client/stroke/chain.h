@@ -30,16 +30,20 @@ class SilhouetteChainer {
   chain(const SilhouetteField& field, const SilhouetteView& view, const SilhouetteResult& found);
 
  private:
-  void chainEdges(const SilhouetteField& field, const SilhouetteResult& found);
-  void
-  chainSmooth(const SilhouetteField& field, const glm::vec4& eye, const SilhouetteResult& found);
-  void beginFrame(std::size_t faces);
+  void linkEdges(const SilhouetteField& field, std::span<const HalfEdgeId> edges);
+  void linkFaces(const SilhouetteField& field, const glm::vec4& eye, std::span<const FaceId> faces);
+  [[nodiscard]] std::uint32_t placeOf(std::uint32_t name, std::span<const std::uint32_t> names)
+      const;
+  void name(std::span<const std::uint32_t> names, std::size_t bound);
 
   PolylineSet lines_;
-  // One a face: the frame of its last mark above, mark bits below; nothing is cleared between
-  // frames.
-  std::vector<std::uint32_t> marks_;
-  std::uint32_t frame_ = 0;
+  // By half-edge or face: its index among the segments found. Never cleared: an entry counts only
+  // if the segment it leads to has that name.
+  std::vector<std::uint32_t> places_;
+  std::vector<std::uint32_t> next_;        // by segment: the one that goes on from it, or kNone
+  std::vector<std::uint8_t> isContinued_;  // by segment: whether one leads to it
+  std::vector<std::uint8_t> isUsed_;       // by segment
+  std::vector<glm::vec3> ends_;            // by segment, smooth: where it leaves its face
 };
 
 struct FeatureChainOptions {

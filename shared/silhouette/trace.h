@@ -100,6 +100,9 @@ class SmoothWalk {
 
   [[nodiscard]] FaceId face() const { return HalfEdgeMesh::face(exit_); }
 
+  /// The half-edge it is left through, in this face.
+  [[nodiscard]] HalfEdgeId exit() const { return exit_; }
+
   /// The front vertex of the edge it is left through.
   [[nodiscard]] std::uint32_t frontVertex() const { return mesh_->target(exit_); }
 
