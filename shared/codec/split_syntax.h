@@ -154,10 +154,10 @@ inline std::uint32_t rankStarts(
     std::array<std::uint8_t, kMaxRing>& order) {
   const std::uint32_t edges = n.isPath ? n.size - 1 : n.size;
   const std::uint32_t starts = n.isPath ? n.size - length : n.size;
-  std::array<std::int64_t, kMaxRing> sizes;
+  std::array<std::int64_t, kMaxRing> sizes{};
   for (std::uint32_t i = 0; i < edges; ++i)
     sizes[i] = ringTriangleSize(n, i);
-  std::array<std::int64_t, kMaxRing> sums;
+  std::array<std::int64_t, kMaxRing> sums{};
   for (std::uint32_t s = 0; s < starts; ++s) {
     sums[s] = 0;
     for (std::uint32_t i = 0; i < length; ++i)
@@ -204,7 +204,7 @@ bool codeCut(Bins& bins, const Neighbourhood& n, RingCut& cut) {
     cut = {static_cast<std::uint8_t>(most - length), RingCut::kNoCut};
     return true;
   }
-  std::array<std::uint8_t, kMaxRing> order;
+  std::array<std::uint8_t, kMaxRing> order{};
   const std::uint32_t starts = rankStarts(n, length, order);
   std::uint32_t rank = 0;
   while (rank + 1 < starts &&
