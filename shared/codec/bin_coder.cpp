@@ -62,7 +62,11 @@ bool BinReader::code(std::uint32_t context, bool) {
 }
 
 bool BinReader::isFinished() const {
-  return valid_ && offset_ == 0 && state_ == kInitialState;
+  if (!valid_) return false;
+  if (offset_ == 0) return state_ == kInitialState;
+  // Draco refills the state before a bin, not after: when the last bin was the least likely one,
+  // the byte that the writer moved out before anything else is still there.
+  return offset_ == 1 && state_ * 256 + bytes_[0] == kInitialState;
 }
 
 std::vector<Probability> BinCounter::probabilities() const {
