@@ -40,7 +40,8 @@ LightClient::LightClient(Plan plan, SharedDigests& digests, Counters& counters)
       digests_(digests),
       counters_(counters),
       rng_(0x11D0 + plan_.index),
-      attemptMs_(plan_.startMs) {
+      attemptMs_(plan_.startMs),
+      plannedMs_(plan_.startMs) {
   ++counters_.asked;
 }
 
@@ -158,7 +159,7 @@ void LightClient::handle(const protocol::Message& message, protocol::Bytes bytes
         using T = std::decay_t<decltype(body)>;
         if constexpr (std::is_same_v<T, protocol::Welcome>) {
           if (state_ != State::kConnecting) return decodeError("a second Welcome");
-          counters_.connect.add(nowMs - attemptMs_);
+          counters_.connect.add(nowMs - plannedMs_);
           state_ = State::kOpening;
           send(protocol::Open{0, plan_.phase->model, false});
         } else if constexpr (std::is_same_v<T, protocol::ModelInfo>) {
@@ -167,7 +168,7 @@ void LightClient::handle(const protocol::Message& message, protocol::Bytes bytes
           checkShared(kBase, bytes);
           if (baseHere_) return decodeError("a second Base");
           baseHere_ = true;
-          counters_.base.add(nowMs - attemptMs_);
+          counters_.base.add(nowMs - plannedMs_);
           if (!reachedBase_) ++counters_.connected;
           reachedBase_ = true;
         } else if constexpr (std::is_same_v<T, protocol::LevelBlock>) {
@@ -182,6 +183,16 @@ void LightClient::handle(const protocol::Message& message, protocol::Bytes bytes
         } else if constexpr (std::is_same_v<T, protocol::Failure>) {
           // What a hostile client is told is not news.
           if (mayBeThrownOut()) return;
+          // A server that has just started still opens its models. The latencies keep counting from
+          // the planned start.
+          if (body.code == protocol::WireError::kNotReady && body.retryAfterMs > 0) {
+            ++counters_.reconnects;
+            const double plannedMs = plannedMs_;
+            restartAfter(nowMs, body.retryAfterMs);
+            plannedMs_ = plannedMs;
+            wish_ = Wish::kAbort;
+            return;
+          }
           finish(
               "server: " + std::string(protocol::nameOf(body.code)) + ": " +
               std::string(body.message));
@@ -246,6 +257,7 @@ void LightClient::closed(const std::string& reason, double nowMs) {
 void LightClient::restartAfter(double nowMs, double pauseMs) {
   state_ = State::kWaiting;
   attemptMs_ = nowMs + pauseMs;
+  plannedMs_ = attemptMs_;
   readableAtMs_ = 0.0;
   baseHere_ = false;
   nextPoseId_ = 1;

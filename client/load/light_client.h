@@ -131,6 +131,7 @@ class LightClient {
   std::vector<std::vector<std::uint8_t>> outgoing_;
 
   double attemptMs_ = 0.0;  // planned time of the present or next connection
+  double plannedMs_ = 0.0;  // where its latencies begin: the first attempt's time
   double leaveMs_ = 0.0;    // when a churning client leaves
   double nextPoseMs_ = 0.0;
   double firstPoseMs_ = 0.0;

@@ -152,6 +152,8 @@ class Bench:
         people = "%s, %d clients" % (name, clients)
         bad = report["clients"]["failed"] + report["clients"]["dropped"] + report["decode_errors"]
         self.table.add("load, errors", people, bad, None, 0)
+        for error, times in report["errors"].items():
+            print("  %d x %s" % (times, error))
         for latency in ("base", "pose_to_packet", "settled"):
             value = report["latency_ms"][latency]["p99"]
             if value is not None:

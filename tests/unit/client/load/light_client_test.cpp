@@ -178,6 +178,25 @@ TEST_F(LightClientTest, LosingTheLineCountsAsDroppedOrFailedOnce) {
   EXPECT_EQ(counters_.failed, 2u);
 }
 
+TEST_F(LightClientTest, WaitsForAModelThatIsNotReadyAndCountsTheWait) {
+  auto client = makeClient();
+  client->tick(100.0);
+  EXPECT_EQ(client->takeWish(), LightClient::Wish::kConnect);
+  client->opened(100.0);
+  give(*client, protocol::Welcome{limits::kProtocolVersion, "server"}, 100.0);
+  give(*client, protocol::Failure{protocol::WireError::kNotReady, 0, "being prepared", 250}, 110.0);
+  EXPECT_EQ(client->takeWish(), LightClient::Wish::kAbort);
+  EXPECT_EQ(client->nextDueMs(), 360.0);
+  client->tick(360.0);
+  EXPECT_EQ(client->takeWish(), LightClient::Wish::kConnect);
+  client->opened(360.0);
+  give(*client, protocol::Welcome{limits::kProtocolVersion, "server"}, 360.0);
+  give(*client, info(), 360.0);
+  give(*client, base(1), 400.0);
+  EXPECT_EQ(counters_.base.percentile(1.0), 300.0);
+  EXPECT_EQ(counters_.failed, 0u);
+}
+
 TEST_F(LightClientTest, AChurningClientLeavesAndComesBack) {
   phase_.behaviour = Behaviour::kChurn;
   auto client = makeClient();
