@@ -282,11 +282,7 @@ Result<PreparedModel> prepareModel(
   }
   if (auto set = named(); !set) return tl::unexpected(set.error());
   progress("done", 1.0);
-  return PreparedModel{
-      name,
-      *id,
-      prepared,
-      headed(name, *id, input, std::move(report))};
+  return PreparedModel{name, *id, prepared, headed(name, *id, input, std::move(report))};
 }
 
 }  // namespace limn

@@ -11,12 +11,11 @@
 #include "shared/mesh/primitives.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-
-#include <unistd.h>
 
 namespace limn {
 namespace {
@@ -32,9 +31,8 @@ const SmallAsset& knot() {
 class AssetFilesTest : public testing::Test {
  protected:
   void SetUp() override {
-    root_ =
-        fs::temp_directory_path() /
-        ("limn-asset-test-" + std::to_string(::getpid()) + "-" +
+    root_ = fs::temp_directory_path() /
+            ("limn-asset-test-" + std::to_string(::getpid()) + "-" +
              ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(root_);
     auto store = openDirectoryStore(root_);
