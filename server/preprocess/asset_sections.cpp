@@ -82,6 +82,7 @@ WireSections encodeWireSections(
       protocol::encodeMessage(protocol::Base{.draco = built.baseDraco, .features = features});
   protocol::appendFrame(sections.base, base);
   sections.levelBytes.push_back(frameBytes(base.size()));
+  sections.featureBytes = features.size();
 
   for (std::uint32_t level = 1; level <= blockLevels; ++level) {
     const auto splits = encodeSplits(

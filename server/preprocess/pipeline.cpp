@@ -113,7 +113,8 @@ Json makeReport(
          {"bytes", sections.levelBytes[level]},
          {"error", built.levels[level].rmsError * forest.grid.step}});
   }
-  const std::uint64_t base = wireBytes(sections.base);
+  const std::uint64_t features = sections.featureBytes;
+  const std::uint64_t base = wireBytes(sections.base) - features;
   const std::uint64_t blocks = wireBytes(sections.blocks);
   const std::uint64_t splits = wireBytes(sections.packets);
   const std::uint64_t seeds = wireBytes(sections.seeds);
@@ -126,8 +127,8 @@ Json makeReport(
       {"hull_outer", 0},
       {"hull_inner", 0},
       {"maps", 0},
-      {"features", 0},
-      {"total", wireBytes(sections.info) + base + blocks + splits + seeds}};
+      {"features", features},
+      {"total", wireBytes(sections.info) + base + features + blocks + splits + seeds}};
   json["stream_bits_per_vertex"] =
       8.0 * static_cast<double>(base + blocks + splits) / forest.vertexCount();
   json["hull"] = nullptr;
