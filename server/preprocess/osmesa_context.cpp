@@ -9,6 +9,21 @@
 #include <string>
 #include <utility>
 
+#if defined(__SANITIZE_ADDRESS__)
+#define LIMN_LEAK_CHECK 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define LIMN_LEAK_CHECK 1
+#endif
+#endif
+#if defined(LIMN_LEAK_CHECK)
+// OSMesa keeps its window buffers in a list of its own for the life of the process: a few hundred
+// bytes a context that nobody can free. Weak, so that another user of OSMesa may say the same.
+extern "C" __attribute__((weak)) const char* __lsan_default_suppressions() {
+  return "leak:libOSMesa.so\n";
+}
+#endif
+
 namespace limn {
 namespace {
 

@@ -82,6 +82,7 @@ void searchLeavesPortable(
 
 ConesDetector::ConesDetector(const SilhouetteField& field, const DetectorOptions& options)
     : field_(&field),
+      useAvx2_(options.vectorized && silhouette::hasAvx2()),
       tree_(silhouette::buildConeTree(field, options.coneTangentScale)) {}
 
 const SilhouetteResult& ConesDetector::detect(const SilhouetteView& view) {
