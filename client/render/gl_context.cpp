@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/render/gl_context.h"
 
-#include "client/render/context_egl.h"
-#include "client/render/context_osmesa.h"
+#include "client/render/egl_context.h"
+
+#include "shared/gl/osmesa_context.h"
 
 #include <string>
 

@@ -9,6 +9,7 @@
 #include "server/preprocess/visible_loops.h"
 
 #include "shared/core/camera.h"
+#include "shared/gl/osmesa_context.h"
 #include "shared/mesh/half_edge.h"
 #include "shared/silhouette/detector.h"
 
@@ -188,7 +189,7 @@ Result<SeedTable> buildSeeds(
   const bool isClosed =
       std::find(linked->twins.begin(), linked->twins.end(), kNone) == linked->twins.end();
   const BackFaces backFaces = isClosed ? BackFaces::kLeftOut : BackFaces::kDrawn;
-  const auto context = createOffscreenContext();
+  const auto context = createOsmesaContext();
   if (!context) return tl::unexpected(context.error().within("seeds"));
   const auto renderer = FaceImageRenderer::create(**context, mesh, options.imageSize, backFaces);
   if (!renderer) return tl::unexpected(renderer.error().within("seeds"));

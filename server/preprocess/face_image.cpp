@@ -33,7 +33,7 @@ void main() {
 }  // namespace
 
 Result<FaceImageRenderer> FaceImageRenderer::create(
-    const OffscreenContext& context,
+    const GlContext& context,
     const TriangleMesh& mesh,
     int size,
     BackFaces backFaces) {

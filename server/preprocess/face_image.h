@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/preprocess/osmesa_context.h"
-
 #include "shared/core/ids.h"
+#include "shared/gl/context.h"
 #include "shared/gl/handles.h"
 #include "shared/gl/program.h"
 #include "shared/gl/target.h"
@@ -36,7 +35,7 @@ class FaceImageRenderer {
  public:
   /// `context` must outlive it. size: pixels a side. Errors: kUnavailable, kLimitExceeded.
   [[nodiscard]] static Result<FaceImageRenderer>
-  create(const OffscreenContext& context, const TriangleMesh& mesh, int size, BackFaces backFaces);
+  create(const GlContext& context, const TriangleMesh& mesh, int size, BackFaces backFaces);
 
   /// clipFromGrid: of the whole mesh, grid units. Cost: some 0.1 µs a face.
   [[nodiscard]] FaceImage render(const glm::dmat4& clipFromGrid) const;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/preprocess/build_forest.h"
 #include "server/preprocess/build_seeds.h"
-#include "server/preprocess/osmesa_context.h"
 #include "tests/corpus/corpus.h"
 #include "tests/property/shared/silhouette/views.h"
 
+#include "shared/gl/osmesa_context.h"
 #include "shared/mesh/primitives.h"
 #include "shared/progressive/active_mesh.h"
 #include "shared/silhouette/detector.h"
@@ -171,7 +171,7 @@ TEST(Seeds, RecallOnARealScanIsReported) {
 }
 
 TEST(Seeds, WithoutOsmesaThereIsAnErrorThatSaysWhatToInstall) {
-  const auto context = createOffscreenContext("libNoSuchOSMesa.so.0");
+  const auto context = createOsmesaContext("libNoSuchOSMesa.so.0");
   ASSERT_FALSE(context);
   EXPECT_EQ(context.error().code, ErrorCode::kUnavailable);
   EXPECT_NE(context.error().message.find("libosmesa6"), std::string::npos);

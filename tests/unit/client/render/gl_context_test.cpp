@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/render/gl_context.h"
 
-#include "client/render/dynamic_library.h"
-
+#include "shared/gl/dynamic_library.h"
 #include "shared/gl/program.h"
 #include "shared/gl/target.h"
 

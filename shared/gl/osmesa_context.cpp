@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/render/context_osmesa.h"
+#include "shared/gl/osmesa_context.h"
 
 // osmesa.h brings the desktop GL headers, whose types agree with GLES's; only its types are used.
-#include "client/render/dynamic_library.h"
+#include "shared/gl/dynamic_library.h"
 
 #include <GL/osmesa.h>
 
@@ -78,8 +78,8 @@ bool resolve(const DynamicLibrary& library, const char* name, Function& function
 
 }  // namespace
 
-Result<std::unique_ptr<GlContext>> createOsmesaContext() {
-  const auto library = DynamicLibrary::open("libOSMesa.so.8", "libosmesa6");
+Result<std::unique_ptr<GlContext>> createOsmesaContext(const char* soname) {
+  const auto library = DynamicLibrary::open(soname, "libosmesa6");
   if (!library) return tl::unexpected(library.error());
   OsmesaFunctions osmesa;
   if (!resolve(*library, "OSMesaCreateContextAttribs", osmesa.createContextAttribs) ||

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/render/context_egl.h"
+#include "client/render/egl_context.h"
 
 #define EGL_NO_X11
-#include "client/render/dynamic_library.h"
+#include "shared/gl/dynamic_library.h"
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/render/dynamic_library.h"
+#include "shared/gl/dynamic_library.h"
 
 #include <dlfcn.h>
 
