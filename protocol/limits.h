@@ -20,6 +20,7 @@ inline constexpr std::uint32_t kMaxRing = 64;       // neighbours in a canonical
 inline constexpr std::size_t kMaxNameBytes = 200;   // model, client and server names
 inline constexpr std::size_t kMaxTextBytes = 1000;  // error messages, failure reasons
 inline constexpr std::size_t kMaxSplitModelBytes = 64 * 1024;
+inline constexpr std::uint32_t kMaxSeedBytes = 4 * 1024 * 1024;
 inline constexpr std::size_t kMaxCatalogueModels = 10'000;
 inline constexpr std::uint16_t kMaxViewportPixels = 16384;
 inline constexpr float kMinErrorPx = 0.1F;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <type_traits>
 
 namespace limn::protocol {
 namespace {
@@ -81,7 +82,8 @@ Result<Body> read(const wire::HaveSet& m) {
   if (m.first() / 8 + std::uint64_t{bits.size()} > (limits::kMaxVertices + 7ULL) / 8) {
     return tooLarge("HaveSet goes past the largest vertex id");
   }
-  return HaveSet{m.channel(), *asset, m.base(), m.first(), bits, m.last()};
+  if (m.seeds() > limits::kMaxSeedBytes) return tooLarge("HaveSet.seeds");
+  return HaveSet{m.channel(), *asset, m.base(), m.first(), bits, m.last(), m.seeds()};
 }
 
 Result<Body> read(const wire::Pose& m) {
@@ -98,6 +100,7 @@ Result<Body> read(const wire::Pose& m) {
   pose.errorPx = m.error_px();
   pose.silhouette = m.silhouette();
   pose.goal = m.goal();
+  pose.maxSplits = m.max_splits();
   if (!finite(pose.eye) || !finite(pose.forward) || !finite(pose.up)) {
     return bad("Pose has a number that is not finite");
   }
@@ -248,7 +251,12 @@ Result<Body> read(const wire::Packet& m) {
 }
 
 Result<Body> read(const wire::Seeds& m) {
-  return Seeds{m.channel(), view(m.seeds())};
+  const std::uint64_t end = std::uint64_t{m.offset()} + m.seeds()->size();
+  if (m.total() > limits::kMaxSeedBytes) return tooLarge("Seeds.total");
+  if (m.total() == 0 ? m.offset() != 0 : end > m.total() || m.seeds()->size() == 0) {
+    return bad("Seeds goes past its total");
+  }
+  return Seeds{m.channel(), view(m.seeds()), m.offset(), m.total()};
 }
 
 Result<Body> read(const wire::Settled& m) {
@@ -261,6 +269,14 @@ Result<Body> read(const wire::Error& m) {
   if (m.channel() < -1 || m.channel() > 255) return bad("Error.channel is not -1 to 255");
   if (!isText(view(m.message()), limits::kMaxTextBytes)) return bad("Error.message is no text");
   return Failure{m.code(), m.channel(), view(m.message()), m.retry_after_ms()};
+}
+
+Result<Body> read(const wire::Dropped& m) {
+  return Dropped{m.channel(), view(m.kept())};
+}
+
+Result<Body> read(const wire::Full& m) {
+  return Full{m.channel(), m.pose(), m.missing()};
 }
 
 Result<Body> readBody(const wire::Message& m) {
@@ -297,6 +313,10 @@ Result<Body> readBody(const wire::Message& m) {
       return read(*m.body_as_Settled());
     case wire::Body::Error:
       return read(*m.body_as_Error());
+    case wire::Body::Dropped:
+      return read(*m.body_as_Dropped());
+    case wire::Body::Full:
+      return read(*m.body_as_Full());
     case wire::Body::NONE:
       break;
   }
@@ -332,7 +352,7 @@ struct Writer {
   auto operator()(const HaveSet& m) {
     const auto asset = bytesOf(b, m.asset);
     const auto bits = bytesOf(b, m.bits);
-    return wire::CreateHaveSet(b, m.channel, asset, m.base, m.first, bits, m.last).Union();
+    return wire::CreateHaveSet(b, m.channel, asset, m.base, m.first, bits, m.last, m.seeds).Union();
   }
 
   auto operator()(const Pose& m) {
@@ -352,6 +372,7 @@ struct Writer {
     pose.add_error_px(m.errorPx);
     pose.add_silhouette(m.silhouette);
     pose.add_goal(m.goal);
+    pose.add_max_splits(m.maxSplits);
     return pose.Finish().Union();
   }
 
@@ -431,7 +452,7 @@ struct Writer {
   }
 
   auto operator()(const Seeds& m) {
-    return wire::CreateSeeds(b, m.channel, bytesOf(b, m.seeds)).Union();
+    return wire::CreateSeeds(b, m.channel, bytesOf(b, m.seeds), m.offset, m.total).Union();
   }
 
   auto operator()(const Settled& m) {
@@ -441,7 +462,23 @@ struct Writer {
   auto operator()(const Failure& m) {
     return wire::CreateError(b, m.code, m.channel, textOf(b, m.message), m.retryAfterMs).Union();
   }
+
+  auto operator()(const Dropped& m) {
+    const auto kept = m.kept.empty() ? 0 : bytesOf(b, m.kept);
+    return wire::CreateDropped(b, m.channel, kept).Union();
+  }
+
+  auto operator()(const Full& m) {
+    return wire::CreateFull(b, m.channel, m.pose, m.missing).Union();
+  }
 };
+
+/// Everything else is a server's.
+template <class T>
+constexpr bool kSentByClient =
+    std::is_same_v<T, Hello> || std::is_same_v<T, GetCatalogue> || std::is_same_v<T, Open> ||
+    std::is_same_v<T, HaveSet> || std::is_same_v<T, Pose> || std::is_same_v<T, Acknowledge> ||
+    std::is_same_v<T, Drop>;
 
 // The schema's union numbers types in the order of the variant; typeOf() relies on it.
 static_assert(std::variant_size_v<Body> == static_cast<std::size_t>(wire::Body::MAX));
@@ -474,7 +511,8 @@ Result<Message> decodeMessage(Bytes bytes, Sender sender) {
   if (!wire::VerifyMessageBuffer(verifier)) return bad("the FlatBuffers verifier refuses it");
   auto body = readBody(*wire::GetMessage(bytes.data()));
   if (!body) return tl::unexpected(std::move(body).error());
-  const bool fromClient = body->index() <= Body(Drop{}).index();
+  const bool fromClient =
+      std::visit([](const auto& m) { return kSentByClient<std::decay_t<decltype(m)>>; }, *body);
   if (fromClient != (sender == Sender::kClient)) {
     return fail(
         ErrorCode::kProtocol,

@@ -53,6 +53,7 @@ struct HaveSet {
   std::uint32_t first = 0;  // multiple of 8
   Bytes bits;
   bool last = false;
+  std::uint32_t seeds = 0;  // bytes of the seeds held
 };
 
 struct Pose {
@@ -68,6 +69,7 @@ struct Pose {
   float errorPx = 1.0F;
   Silhouette silhouette = Silhouette::kSmooth;
   Goal goal = Goal::kSettled;
+  std::uint32_t maxSplits = 0;  // 0: no limit
 };
 
 struct Acknowledge {
@@ -142,6 +144,8 @@ struct Packet {
 struct Seeds {
   std::uint8_t channel = 0;
   Bytes seeds;
+  std::uint32_t offset = 0;
+  std::uint32_t total = 0;  // 0: these are all
 };
 
 struct Settled {
@@ -155,6 +159,17 @@ struct Failure {  // table Error
   std::int16_t channel = -1;  // −1: the connection
   std::string_view message;
   std::uint32_t retryAfterMs = 0;
+};
+
+struct Dropped {
+  std::uint8_t channel = 0;
+  Bytes kept;  // shared/codec/id_set.h
+};
+
+struct Full {
+  std::uint8_t channel = 0;
+  std::uint32_t pose = 0;
+  std::uint32_t missing = 0;
 };
 
 using Body = std::variant<
@@ -173,7 +188,9 @@ using Body = std::variant<
     Packet,
     Seeds,
     Settled,
-    Failure>;
+    Failure,
+    Dropped,
+    Full>;
 
 /// Who sent a message: decides which types are legal and how long it may be.
 enum class Sender : std::uint8_t { kClient, kServer };

@@ -28,7 +28,7 @@ std::vector<Sample> samples() {
   add("hello.bin", Sender::kClient, Hello{1, "limn-client 0.1.0"});
   add("get_catalogue.bin", Sender::kClient, GetCatalogue{});
   add("open.bin", Sender::kClient, Open{3, "dragon", true});
-  add("have_set.bin", Sender::kClient, HaveSet{3, asset, true, 64, payload, true});
+  add("have_set.bin", Sender::kClient, HaveSet{3, asset, true, 64, payload, true, 4096});
   Pose pose;
   pose.channel = 3;
   pose.id = 77;
@@ -42,6 +42,7 @@ std::vector<Sample> samples() {
   pose.errorPx = 0.5F;
   pose.silhouette = Silhouette::kEdges;
   pose.goal = Goal::kExact;
+  pose.maxSplits = 250'000;
   add("pose.bin", Sender::kClient, pose);
   add("acknowledge.bin", Sender::kClient, Acknowledge{5'000'000'000});
   add("drop.bin", Sender::kClient, Drop{3, payload});
@@ -93,9 +94,12 @@ std::vector<Sample> samples() {
   add("base_without_features.bin", Sender::kServer, Base{3, payload, {}});
   add("level_block.bin", Sender::kServer, LevelBlock{3, 1, payload});
   add("packet.bin", Sender::kServer, Packet{3, 77, payload});
-  add("seeds.bin", Sender::kServer, Seeds{3, payload});
+  add("seeds.bin", Sender::kServer, Seeds{3, payload, 4096, 9000});
   add("settled.bin", Sender::kServer, Settled{3, 77, Goal::kExact});
   add("error.bin", Sender::kServer, Failure{WireError::kNotReady, 3, "still preparing", 1500});
+  add("dropped.bin", Sender::kServer, Dropped{3, payload});
+  add("dropped_all.bin", Sender::kServer, Dropped{3, {}});
+  add("full.bin", Sender::kServer, Full{3, 77, 12'345});
   return all;
 }
 

@@ -206,6 +206,19 @@ TEST(Messages, HaveSetsPastTheLargestVertexAreRefused) {
   EXPECT_TRUE(refuses(HaveSet{0, {}, true, 0, large, true}, Sender::kClient));
 }
 
+TEST(Messages, SeedPiecesPastTheirTotalAreRefused) {
+  const std::vector<std::uint8_t> piece(16, 1);
+  EXPECT_FALSE(refuses(Seeds{0, piece, 0, 0}, Sender::kServer));
+  EXPECT_FALSE(refuses(Seeds{0, piece, 84, 100}, Sender::kServer));
+  EXPECT_TRUE(refuses(Seeds{0, piece, 85, 100}, Sender::kServer));
+  EXPECT_TRUE(refuses(Seeds{0, piece, 0xFFFFFFF8, 100}, Sender::kServer));
+  EXPECT_TRUE(refuses(Seeds{0, piece, 16, 0}, Sender::kServer));
+  EXPECT_TRUE(refuses(Seeds{0, {}, 0, 100}, Sender::kServer));
+  EXPECT_TRUE(refuses(Seeds{0, piece, 0, limits::kMaxSeedBytes + 1}, Sender::kServer));
+  EXPECT_TRUE(
+      refuses(HaveSet{0, {}, true, 0, {}, true, limits::kMaxSeedBytes + 1}, Sender::kClient));
+}
+
 TEST(Messages, OnlyMeshDataCountsAsPayload) {
   for (const Sample& sample : samples()) {
     const auto message = decodeMessage(sample.bytes, sample.sender);
