@@ -29,6 +29,7 @@ forbid "shared/view"     'shared/(progressive|silhouette|codec|gl)/'  'view sits
 forbid "shared/progressive shared/silhouette" 'shared/(codec|gl)/'  'codec and gl sit above the algorithms'
 forbid "shared/codec"    'shared/gl/'  'codecs do not draw'
 forbid "shared/gl"       'shared/(progressive|silhouette|codec)/'  'gl wraps GL, it knows no algorithm'
+forbid "shared/plot"     'shared/(mesh|progressive|view|silhouette|codec|gl)/'  'plot draws numbers, whatever they measure'
 forbid "protocol"        '(server|client|tests)/|shared/(mesh|progressive|view|silhouette|codec)/|draco/'  'protocol sees only shared/core'
 forbid "server"          '(client|tests)/'  'server and client meet only in protocol'
 forbid "client"          '(server|tests)/'  'server and client meet only in protocol'
