@@ -39,10 +39,12 @@ Result<ActiveMesh> ActiveMesh::fromBase(
   active.mesh_ = std::move(*mesh);
   active.positions_ = base.positions;
   active.ids_.resize(levelBegin[1]);
-  active.slots_.assign(levelBegin.back(), kNone);
-  for (std::uint32_t v = 0; v < levelBegin[1]; ++v)
-    active.ids_[v] = active.slots_[v] = v;
+  for (std::uint32_t v = 0; v < levelBegin[1]; ++v) {
+    active.ids_[v] = v;
+    active.slots_.set(v, v);
+  }
   active.parents_.assign(levelBegin[1], kNone);
+  active.replaced_.assign(levelBegin[1], 0);
   active.features_.assign(features.begin(), features.end());
   active.features_.resize(active.mesh_.origins.size(), 0);
   active.levelBegin_ = std::move(levelBegin);
@@ -50,7 +52,7 @@ Result<ActiveMesh> ActiveMesh::fromBase(
 }
 
 Result<ActiveMesh::Opening> ActiveMesh::findOpening(const VertexSplit& split) const {
-  if (split.vertex < baseVertexCount() || split.vertex >= slots_.size()) {
+  if (split.vertex < baseVertexCount() || split.vertex >= levelBegin_.back()) {
     return corrupt(split.vertex, "no such split in this model");
   }
   if (holds(split.vertex)) return corrupt(split.vertex, "already held");
@@ -110,6 +112,11 @@ void ActiveMesh::setFeature(HalfEdgeId h, bool isFeature) {
   if (h != kNone) features_[h] = isFeature ? kFeatureCrease : 0;
 }
 
+void ActiveMesh::link(HalfEdgeId a, HalfEdgeId b) {
+  if (a != kNone) mesh_.twins[a] = b;
+  if (b != kNone) mesh_.twins[b] = a;
+}
+
 Result<void> ActiveMesh::apply(const VertexSplit& split) {
   const auto opening = findOpening(split);
   if (!opening) return tl::unexpected(opening.error());
@@ -123,6 +130,13 @@ Result<void> ActiveMesh::apply(const VertexSplit& split) {
       fan.empty() ? kNone : HalfEdgeMesh::prev(fan.back());  // r → v afterwards
   const bool outgoingMoves = std::find(fan.begin(), fan.end(), mesh_.outgoing[u]) != fan.end();
 
+  const auto featureOf = [this](HalfEdgeId one, HalfEdgeId other) {
+    const HalfEdgeId h = one != kNone ? one : other;
+    return static_cast<std::uint8_t>(h == kNone ? 0 : features_[h] & 3);
+  };
+  const std::uint8_t oldLeft = hasLeft ? featureOf(beforeLeft, fanFirst) : std::uint8_t{0};
+  const std::uint8_t oldRight = hasRight ? featureOf(afterRight, fanLast) : std::uint8_t{0};
+
   for (const HalfEdgeId h : fan)
     mesh_.origins[h] = v;
 
@@ -130,10 +144,6 @@ Result<void> ActiveMesh::apply(const VertexSplit& split) {
   const auto halfEdges = static_cast<HalfEdgeId>(mesh_.origins.size());
   const HalfEdgeId leftFace = hasLeft ? halfEdges : kNone;
   const HalfEdgeId rightFace = hasRight ? halfEdges + (hasLeft ? 3 : 0) : kNone;
-  const auto link = [this](HalfEdgeId a, HalfEdgeId b) {
-    if (a != kNone) mesh_.twins[a] = b;
-    if (b != kNone) mesh_.twins[b] = a;
-  };
   if (hasLeft) mesh_.origins.insert(mesh_.origins.end(), {u, slotOf(split.left), v});
   if (hasRight) mesh_.origins.insert(mesh_.origins.end(), {u, v, slotOf(split.right)});
   mesh_.twins.resize(mesh_.origins.size(), kNone);
@@ -175,8 +185,190 @@ Result<void> ActiveMesh::apply(const VertexSplit& split) {
   positions_.push_back(split.position);
   ids_.push_back(split.vertex);
   parents_.push_back(split.parent);
-  slots_[split.vertex] = v;
+  replaced_.push_back(static_cast<std::uint8_t>(oldLeft | oldRight << 2));
+  slots_.set(split.vertex, v);
   return {};
+}
+
+Result<ActiveMesh::Star> ActiveMesh::findStar(VertexId vertex) const {
+  if (vertex < baseVertexCount() || vertex >= levelBegin_.back() || !holds(vertex)) {
+    return corrupt(vertex, "cannot be undone, it is not held");
+  }
+  const Slot v = slotOf(vertex);
+  const VertexId levelBegin = levelBegin_[levelOf(vertex)];
+  Star star;
+  star.u = slotOf(parents_[v]);
+  const bool isBorder = mesh_.isBorderVertex(v);
+  std::vector<Slot> ring;
+  const HalfEdgeId first = mesh_.outgoing[v];
+  for (HalfEdgeId h = first; h != kNone;) {
+    const HalfEdgeId into = HalfEdgeMesh::prev(h);
+    ring.push_back(mesh_.target(h));
+    if (mesh_.origin(into) == star.u) star.fromParent = into;
+    if (mesh_.target(h) == star.u) star.toParent = h;
+    h = mesh_.rotateCcw(h);
+    if (h == kNone) ring.push_back(mesh_.origin(into));
+    if (h == first) break;
+  }
+  for (const Slot neighbour : ring) {
+    if (ids_[neighbour] >= levelBegin) {
+      return corrupt(vertex, "cannot be undone, a finer one is built on it");
+    }
+  }
+  const bool hasLeft = star.toParent != kNone;
+  const bool hasRight = star.fromParent != kNone;
+  if ((!hasLeft && !hasRight) || isBorder != (hasLeft != hasRight)) {
+    return fail(ErrorCode::kNonManifold, "a vertex that lies no more where it was split off");
+  }
+  const HalfEdgeId inRight = hasRight ? HalfEdgeMesh::next(star.fromParent) : kNone;  // v → r
+  for (HalfEdgeId h = first; h != kNone;) {
+    if (h != star.toParent && h != inRight) star.fan.push_back(h);
+    h = mesh_.rotateCcw(h);
+    if (h == first) break;
+  }
+  // The link condition: u and v share l and r only.
+  const Slot l = hasLeft ? mesh_.target(HalfEdgeMesh::next(star.toParent)) : kNone;
+  const Slot r = hasRight ? mesh_.target(inRight) : kNone;
+  std::vector<Slot> around;
+  mesh_.ring(star.u, around);
+  for (const Slot neighbour : ring) {
+    if (neighbour == star.u || neighbour == l || neighbour == r) continue;
+    if (std::find(around.begin(), around.end(), neighbour) != around.end()) {
+      return fail(ErrorCode::kNonManifold, "a vertex whose collapse would fold the mesh");
+    }
+  }
+  const bool staysByLeft =
+      hasLeft && mesh_.twin(HalfEdgeMesh::next(star.toParent)) != kNone;  // l → u
+  const bool staysByRight =
+      hasRight && mesh_.twin(HalfEdgeMesh::prev(star.fromParent)) != kNone;  // u → r
+  if (l == r || (star.fan.empty() && ((hasLeft && hasRight) || !(staysByLeft || staysByRight)))) {
+    return fail(ErrorCode::kNonManifold, "a vertex whose collapse would leave no face");
+  }
+  return star;
+}
+
+void ActiveMesh::resetOutgoing(Slot slot, HalfEdgeId any) {
+  HalfEdgeId h = any;
+  while (mesh_.twin(h) != kNone) {
+    h = mesh_.rotateCw(h);
+    if (h == any) break;
+  }
+  mesh_.outgoing[slot] = h;
+}
+
+void ActiveMesh::removeFace(FaceId face) {
+  const auto last = static_cast<FaceId>(mesh_.faceCount() - 1);
+  if (face != last) {
+    for (HalfEdgeId k = 0; k < 3; ++k) {
+      const HalfEdgeId from = 3 * last + k;
+      const HalfEdgeId to = 3 * face + k;
+      mesh_.origins[to] = mesh_.origins[from];
+      features_[to] = features_[from];
+      mesh_.twins[to] = mesh_.twins[from];
+      if (mesh_.twins[to] != kNone) mesh_.twins[mesh_.twins[to]] = to;
+      HalfEdgeId& outgoing = mesh_.outgoing[mesh_.origins[to]];
+      if (outgoing == from) outgoing = to;
+    }
+  }
+  mesh_.origins.resize(3 * std::size_t{last});
+  mesh_.twins.resize(3 * std::size_t{last});
+  features_.resize(3 * std::size_t{last});
+}
+
+void ActiveMesh::removeVertex(Slot slot) {
+  const auto last = static_cast<Slot>(ids_.size() - 1);
+  slots_.set(ids_[slot], kNone);
+  if (slot != last) {
+    const HalfEdgeId first = mesh_.outgoing[last];
+    for (HalfEdgeId h = first; h != kNone;) {
+      mesh_.origins[h] = slot;
+      h = mesh_.rotateCcw(h);
+      if (h == first) break;
+    }
+    mesh_.outgoing[slot] = first;
+    positions_[slot] = positions_[last];
+    ids_[slot] = ids_[last];
+    parents_[slot] = parents_[last];
+    replaced_[slot] = replaced_[last];
+    slots_.set(ids_[slot], slot);
+  }
+  mesh_.outgoing.pop_back();
+  positions_.pop_back();
+  ids_.pop_back();
+  parents_.pop_back();
+  replaced_.pop_back();
+}
+
+Result<VertexSplit> ActiveMesh::undo(VertexId vertex) {
+  const auto star = findStar(vertex);
+  if (!star) return tl::unexpected(star.error());
+  const Slot v = slotOf(vertex);
+  const auto& [u, toParent, fromParent, fan] = *star;
+  VertexSplit split;
+  split.vertex = vertex;
+  split.parent = parents_[v];
+  split.position = positions_[v];
+  const auto note = [&](HalfEdgeId h, SplitFeature bit) {
+    if (features_[h] != 0) split.features |= bit;
+  };
+  const auto restore = [&](HalfEdgeId h, int feature) {
+    if (h != kNone) features_[h] = static_cast<std::uint8_t>(feature);
+  };
+
+  for (const HalfEdgeId h : fan)
+    mesh_.origins[h] = u;
+  HalfEdgeId ofParent = fan.empty() ? kNone : fan.front();  // any half-edge out of u that stays
+  if (toParent != kNone) {
+    const HalfEdgeId toLeft = HalfEdgeMesh::next(toParent);    // u → l
+    const HalfEdgeId fromLeft = HalfEdgeMesh::prev(toParent);  // l → v
+    const Slot l = mesh_.origin(fromLeft);
+    split.left = ids_[l];
+    note(toParent, kSplitEdgeUV);
+    note(toLeft, kSplitEdgeUL);
+    note(fromLeft, kSplitEdgeVL);
+    const HalfEdgeId beforeLeft = mesh_.twin(toLeft);
+    const HalfEdgeId fanFirst = mesh_.twin(fromLeft);
+    link(beforeLeft, fanFirst);
+    restore(beforeLeft, replaced_[v] & 3);
+    restore(fanFirst, replaced_[v] & 3);
+    resetOutgoing(l, beforeLeft != kNone ? beforeLeft : HalfEdgeMesh::next(fanFirst));
+    if (beforeLeft != kNone) ofParent = HalfEdgeMesh::next(beforeLeft);
+  }
+  if (fromParent != kNone) {
+    const HalfEdgeId toRight = HalfEdgeMesh::next(fromParent);    // v → r
+    const HalfEdgeId fromRight = HalfEdgeMesh::prev(fromParent);  // r → u
+    const Slot r = mesh_.origin(fromRight);
+    split.right = ids_[r];
+    note(fromParent, kSplitEdgeUV);
+    note(fromRight, kSplitEdgeUR);
+    note(toRight, kSplitEdgeVR);
+    const HalfEdgeId fanLast = mesh_.twin(toRight);
+    const HalfEdgeId afterRight = mesh_.twin(fromRight);
+    link(fanLast, afterRight);
+    restore(fanLast, replaced_[v] >> 2);
+    restore(afterRight, replaced_[v] >> 2);
+    resetOutgoing(r, fanLast != kNone ? fanLast : HalfEdgeMesh::next(afterRight));
+    if (afterRight != kNone) ofParent = afterRight;
+  }
+  resetOutgoing(u, ofParent);
+  if (mesh_.isBorderVertex(u)) split.features |= kSplitParentOnBorder;
+
+  // The later face first: the one that moves into its hole is then never the other.
+  FaceId one = toParent == kNone ? kNone : HalfEdgeMesh::face(toParent);
+  FaceId other = fromParent == kNone ? kNone : HalfEdgeMesh::face(fromParent);
+  if (one == kNone || (other != kNone && other > one)) std::swap(one, other);
+  removeFace(one);
+  if (other != kNone) removeFace(other);
+  removeVertex(v);
+  return split;
+}
+
+std::size_t ActiveMesh::bytes() const {
+  return (mesh_.origins.capacity() + mesh_.twins.capacity() + mesh_.outgoing.capacity()) *
+             sizeof(std::uint32_t) +
+         positions_.capacity() * sizeof(glm::ivec3) +
+         (ids_.capacity() + parents_.capacity()) * sizeof(VertexId) + features_.capacity() +
+         replaced_.capacity() + slots_.bytes();
 }
 
 Result<void>

@@ -5,6 +5,7 @@
 #include "shared/core/result.h"
 #include "shared/mesh/half_edge.h"
 #include "shared/mesh/triangle_mesh.h"
+#include "shared/progressive/slot_table.h"
 #include "shared/progressive/vertex_split.h"
 
 #include <glm/glm.hpp>
@@ -15,9 +16,10 @@
 
 namespace limn {
 
-/// A client's mesh: the base mesh and the splits applied so far, in any legal order. Vertices sit
-/// in slots in order of arrival; permanent ids name them to the outside. Always an oriented
-/// manifold. Copyable: a copy is a snapshot.
+/// A client's mesh: the base mesh and the splits applied so far, in any legal order, and not undone
+/// since. Vertices sit in slots, the base's first and in order; permanent ids name them to the
+/// outside. Always an oriented manifold. Copyable: a copy is a snapshot. Memory follows what is
+/// held, not what levelBegin announces.
 class ActiveMesh {
  public:
   ActiveMesh() = default;
@@ -36,6 +38,14 @@ class ActiveMesh {
   /// unchanged. Cost: O(valence). Threads: one writer.
   [[nodiscard]] Result<void> apply(const VertexSplit& split);
 
+  /// Undoes a split: afterwards the mesh is what it would be had that split never been applied, but
+  /// for the numbering of slots and faces (the last ones move into the holes). Returns the split;
+  /// applying it again brings the mesh back. Legal when no split that is held has `vertex` as a
+  /// prerequisite; descending order of ids always is. What can be seen of that here is checked:
+  /// errors kCorrupt (not a split that is held, a finer vertex is next to it), kNonManifold (its
+  /// collapse would break the mesh); the mesh is then unchanged. Cost: O(valence²).
+  [[nodiscard]] Result<VertexSplit> undo(VertexId vertex);
+
   /// The ring of `parent` as it is in the mesh of all vertices coarser than `level` (ids,
   /// counter-clockwise; a path on a border): what cuts of level-`level` splits count in. Recovered
   /// from the current ring by replacing each vertex of this level or finer by its parent and
@@ -43,7 +53,7 @@ class ActiveMesh {
   [[nodiscard]] Result<void>
   canonicalRing(VertexId parent, std::uint32_t level, std::vector<VertexId>& ring) const;
 
-  [[nodiscard]] bool holds(VertexId v) const { return v < slots_.size() && slots_[v] != kNone; }
+  [[nodiscard]] bool holds(VertexId v) const { return slots_[v] != kNone; }
 
   [[nodiscard]] Slot slotOf(VertexId v) const { return slots_[v]; }  // kNone when not held
 
@@ -73,6 +83,9 @@ class ActiveMesh {
     return levelBegin_.size() < 2 ? 0 : levelBegin_[1];
   }
 
+  /// Memory held.
+  [[nodiscard]] std::size_t bytes() const;
+
   [[nodiscard]] std::uint32_t splitsTotal() const {
     return levelBegin_.empty() ? 0 : levelBegin_.back() - baseVertexCount();
   }
@@ -88,13 +101,29 @@ class ActiveMesh {
   [[nodiscard]] Result<Opening> findOpening(const VertexSplit& split) const;
   void setFeature(HalfEdgeId h, bool isFeature);
 
+  /// What a collapse of a vertex into its parent takes away; the reverse of an Opening.
+  struct Star {
+    Slot u = kNone;
+    HalfEdgeId toParent = kNone;    // v → u, in the left face; kNone: there is none
+    HalfEdgeId fromParent = kNone;  // u → v, in the right face; kNone: there is none
+    std::vector<HalfEdgeId> fan;    // half-edges out of v of the faces that stay
+  };
+
+  [[nodiscard]] Result<Star> findStar(VertexId vertex) const;
+  void link(HalfEdgeId a, HalfEdgeId b);
+  /// Finds outgoing[slot] anew, starting at any half-edge out of it.
+  void resetOutgoing(Slot slot, HalfEdgeId any);
+  void removeFace(FaceId face);
+  void removeVertex(Slot slot);
+
   std::vector<std::uint32_t> levelBegin_;
   HalfEdgeMesh mesh_;
   std::vector<glm::ivec3> positions_;
   std::vector<VertexId> ids_;
   std::vector<VertexId> parents_;  // by slot: id of the parent; kNone for base vertices
   std::vector<std::uint8_t> features_;
-  std::vector<Slot> slots_;  // by vertex id
+  std::vector<std::uint8_t> replaced_;  // by slot: features of u–l and, << 2, u–r before the split
+  SlotTable slots_;
 };
 
 }  // namespace limn
