@@ -5,8 +5,7 @@
 #include "client/render/shaders/shaders.h"
 #include "client/render/stroke_pass.h"
 #include "client/render/style_store.h"
-#include "client/stroke/spine.h"
-#include "client/stroke/tessellate.h"
+#include "client/stroke/stroke_builder.h"
 
 #include "shared/gl/program.h"
 #include "shared/gl/target.h"
@@ -58,6 +57,7 @@ struct Renderer::Impl {
   StyleStore styles;
   MeshPass meshPass;
   StrokePass strokePass;
+  StrokeBuilder strokeBuilder;
   gl::Program paperProgram;
   gl::Program reduceProgram;
   gl::Program depthBitsProgram;
@@ -276,21 +276,16 @@ Result<Frame> Renderer::Impl::render(
         snapshot.model.grid,
         camera,
         viewport};
-    SpineSet spines = projectLines(lines, scene);
-    smoothSpines(style.smoothPx, spines);
-    const SpineArcs arcs = measureSpines(spines);
-    const SpineSamples samples = sampleSpines(
-        spines,
-        arcs,
+    const BuiltStrokes strokes = strokeBuilder.build(
         lines,
         scene,
-        {.spacingPx = 1.0F, .maxSamples = StrokePass::kMaxSamples});
-    const float widthPx = static_cast<float>(options.widthPx.value_or(style.widthPx));
-    const StrokeMesh strokes = tessellate(spines, arcs, samples, lines, style, widthPx);
+        style,
+        {.widthPx = static_cast<float>(options.widthPx.value_or(style.widthPx)),
+         .samples = {.spacingPx = 1.0F, .maxSamples = StrokePass::kMaxSamples}});
     frame.timings.strokeMs = millisecondsSince(start);
 
     start = std::chrono::steady_clock::now();
-    if (auto found = strokePass.findVisibility(samples, depthTarget.depth()); !found) {
+    if (auto found = strokePass.findVisibility(strokes.samples, depthTarget.depth()); !found) {
       return tl::unexpected(found.error());
     }
     api().finish();
@@ -301,7 +296,7 @@ Result<Frame> Renderer::Impl::render(
       return tl::unexpected(ok.error());
     }
     strokePass.draw(
-        strokes,
+        strokes.mesh,
         **loaded,
         {.viewport = viewport, .hidden = hiddenMode(options.hidden)},
         inkTarget);

@@ -5,6 +5,8 @@
 // silhouette it is where the front side lies farther away than the back side.
 #include "client/stroke/segment_facts.h"
 
+#include <glm/gtc/matrix_access.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -36,6 +38,8 @@ SegmentJudge::SegmentJudge(const PolylineSet& lines, const LineScene& scene)
   const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
   clipFromGrid_ = clipFromWorld * scene.grid.step;
   clipFromGrid_[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
+  rowZ_ = glm::row(clipFromGrid_, 2);
+  rowW_ = glm::row(clipFromGrid_, 3);
   eye_ = scene.grid.fromModel(scene.camera.eye);
   forward_ = scene.camera.forward();
   // Two grid steps in depth at the target, and what 32-bit rasterisation may round.
@@ -62,37 +66,10 @@ bool SegmentJudge::isFront(FaceId face) const {
   return glm::dot(normal(face), towardEye(corner(3 * face))) > 0.0;
 }
 
-glm::vec2 SegmentJudge::outward(std::uint32_t point, std::uint32_t next, const glm::dvec3& away)
-    const {
-  const glm::dvec3 a(lines_.points[point]);
-  const glm::dvec3 b(lines_.points[next]);
-  const glm::dvec3 middle = 0.5 * (a + b);
-  const double length = glm::length(away);
-  if (!(length > 0.0)) return {};
-  // A step outwards that is small beside the distance to the eye.
-  const glm::dvec3 step = away * (1e-4 * glm::length(towardEye(middle)) / length);
-  const auto pixel = [this](const glm::dvec3& p) {
-    return glm::dvec2(pixelFromClip(clipFromGrid_ * glm::dvec4(p, 1.0), scene_.viewport));
-  };
-  const glm::dvec2 along = pixel(b) - pixel(a);
-  const glm::dvec2 aside = pixel(middle + step) - pixel(middle);
-  glm::dvec2 across(-along.y, along.x);
-  const double size = glm::length(across);
-  if (!(size > 1e-9) || !std::isfinite(size)) return {};
-  if (glm::dot(across, aside) < 0.0) across = -across;
-  return glm::vec2(across / size);
-}
-
-float SegmentJudge::depthRange(FaceId face) const {
-  double low = 1.0;
-  double high = 0.0;
-  for (HalfEdgeId h = 3 * face; h < 3 * face + 3; ++h) {
-    const glm::dvec4 clip = clipFromGrid_ * glm::dvec4(corner(h), 1.0);
-    const double depth = clip.w > 0.0 ? std::clamp(0.5 * (clip.z / clip.w + 1.0), 0.0, 1.0) : 0.0;
-    low = std::min(low, depth);
-    high = std::max(high, depth);
-  }
-  return static_cast<float>(std::max(high - low, 0.0));
+double SegmentJudge::depthOf(const glm::dvec3& p) const {
+  const double z = rowZ_.x * p.x + rowZ_.y * p.y + rowZ_.z * p.z + rowZ_.w;
+  const double w = rowW_.x * p.x + rowW_.y * p.y + rowW_.z * p.z + rowW_.w;
+  return w > 0.0 ? std::clamp(0.5 * (z / w + 1.0), 0.0, 1.0) : 0.0;
 }
 
 float SegmentJudge::slopeBias(FaceId face, float reachPx) const {
@@ -116,26 +93,35 @@ float SegmentJudge::slopeBias(FaceId face, float reachPx) const {
   return static_cast<float>(floor_ + rise);
 }
 
+SegmentFacts SegmentJudge::judgeSmooth(FaceId face, std::uint32_t point, std::uint32_t next) const {
+  const glm::dvec3 a = corner(3 * face);
+  const glm::dvec3 b = corner(3 * face + 1);
+  const glm::dvec3 c = corner(3 * face + 2);
+  const glm::dvec3 n = glm::cross(b - a, c - a);
+  const glm::dvec3 from(lines_.points[point]);
+  const glm::dvec3 along = glm::dvec3(lines_.points[next]) - from;
+  SegmentFacts facts;
+  // Lines run with the front side to their left: n × along points there. Where that side is the
+  // nearer one, the surface ends to the right of the line: n · (along × toEye) is the same number.
+  facts.hiddenByRule = glm::dot(glm::cross(n, along), towardEye(from + 0.5 * along)) < 0.0;
+  if (facts.hiddenByRule) return facts;
+  facts.openSide = 1.0F;
+  // The line may lie on a face turned away, under the faces around it: as deep as its own face is.
+  const double za = depthOf(a);
+  const double zb = depthOf(b);
+  const double zc = depthOf(c);
+  facts.bias = static_cast<float>(floor_ + std::max({za, zb, zc}) - std::min({za, zb, zc}));
+  return facts;
+}
+
 SegmentFacts SegmentJudge::judge(LineKind kind, std::uint32_t point, std::uint32_t next) const {
   SegmentFacts facts;
   const HalfEdgeId h = lines_.halfEdges[point];
   const FaceId face = h != kNone ? HalfEdgeMesh::face(h) : lines_.faces[point];
   facts.bias = static_cast<float>(floor_);
   if (face == kNone || face >= scene_.mesh.faceCount()) return facts;
+  if (kind == LineKind::kSilhouette && h == kNone) return judgeSmooth(face, point, next);
   const HalfEdgeId twin = h == kNone ? kNone : scene_.mesh.twin(h);
-
-  if (kind == LineKind::kSilhouette && h == kNone) {
-    // Lines run with the front side to their left: n × along points there.
-    const glm::dvec3 n = normal(face);
-    const glm::dvec3 along(lines_.points[next] - lines_.points[point]);
-    const glm::dvec3 middle = 0.5 * glm::dvec3(lines_.points[point] + lines_.points[next]);
-    facts.hiddenByRule = glm::dot(glm::cross(n, along), towardEye(middle)) < 0.0;
-    facts.outward = outward(point, next, n);
-    // The line may lie on a face turned away, under the faces around it: as deep as its own face
-    // is.
-    facts.bias = static_cast<float>(floor_) + depthRange(face);
-    return facts;
-  }
   if (twin == kNone) {
     // A border: seen from either side of its face.
     facts.bias = slopeBias(face, kReachPx);
@@ -146,14 +132,8 @@ SegmentFacts SegmentJudge::judge(LineKind kind, std::uint32_t point, std::uint32
   const bool isFrontThere = isFront(other);
   if (isFrontHere != isFrontThere || kind == LineKind::kSilhouette) {
     facts.hiddenByRule = isConcave(scene_.mesh, scene_.positions, h);
-    const glm::dvec3 here = normal(face);
-    const glm::dvec3 there = normal(other);
-    const double hereLength = glm::length(here);
-    const double thereLength = glm::length(there);
-    glm::dvec3 away(0.0);
-    if (hereLength > 0.0) away += here / hereLength;
-    if (thereLength > 0.0) away += there / thereLength;
-    facts.outward = outward(point, next, away);
+    // A half-edge has its own face to its left; the surface ends on the other side of the front.
+    facts.openSide = isFrontHere ? 1.0F : -1.0F;
     facts.bias = slopeBias(isFrontHere ? face : other, 0.5F * kReachPx);
     return facts;
   }

@@ -14,7 +14,9 @@ namespace limn {
 struct SegmentFacts {
   bool hiddenByRule = false;  // its own two faces hide it, whatever else there is
   float bias = 0.0F;          // window depth that its own surface may rise above it nearby
-  glm::vec2 outward{0.0F};    // see SpineSample
+  /// On which side of the line, seen along it in the picture, its surface ends: 1 right, −1 left,
+  /// 0 neither (surface on both sides).
+  float openSide = 0.0F;
 };
 
 /// Works out SegmentFacts for one camera.
@@ -34,15 +36,18 @@ class SegmentJudge {
   [[nodiscard]] glm::dvec3 normal(FaceId face) const;  // twice the area long
   [[nodiscard]] glm::dvec3 towardEye(const glm::dvec3& p) const;
   [[nodiscard]] bool isFront(FaceId face) const;
-  [[nodiscard]] glm::vec2 outward(std::uint32_t point, std::uint32_t next, const glm::dvec3& away)
+  [[nodiscard]] SegmentFacts judgeSmooth(FaceId face, std::uint32_t point, std::uint32_t next)
       const;
   /// Depth that face may rise within reachPx of a line on it, at most its own depth range.
   [[nodiscard]] float slopeBias(FaceId face, float reachPx) const;
-  [[nodiscard]] float depthRange(FaceId face) const;
+  /// Window depth, 0 behind the eye.
+  [[nodiscard]] double depthOf(const glm::dvec3& p) const;
 
   const PolylineSet& lines_;
   LineScene scene_;
   glm::dmat4 clipFromGrid_;
+  glm::dvec4 rowZ_;
+  glm::dvec4 rowW_;
   glm::dvec3 eye_;  // grid units
   glm::dvec3 forward_;
   double floor_;  // window depth

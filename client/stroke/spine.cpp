@@ -6,12 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace limn {
 namespace {
 
-/// Points nearer than this in the picture are one point: nothing shorter can be seen.
-constexpr float kMergePx = 0.05F;
+/// Points nearer than this in the picture are one point, whatever the use.
+constexpr float kSamePx = 0.05F;
+
+/// How far smoothing looks, in standard deviations: where (1 − t²)² has the deviation asked for.
+constexpr float kBellReach = 2.65F;
 
 struct Span {
   double begin = 0.0;
@@ -20,20 +24,21 @@ struct Span {
   [[nodiscard]] bool empty() const { return begin >= end; }
 };
 
+/// Signed distances to: near plane; left, right, bottom, top of the picture with its margin.
+std::array<double, 5> planeDistances(const glm::dvec4& p) {
+  constexpr double wide = 1.0 + 2.0 * kSpineMargin;
+  return {p.z + p.w, wide * p.w + p.x, wide * p.w - p.x, wide * p.w + p.y, wide * p.w - p.y};
+}
+
+bool isInside(const glm::dvec4& p) {
+  constexpr double wide = 1.0 + 2.0 * kSpineMargin;
+  return p.z + p.w >= 0.0 && std::abs(p.x) <= wide * p.w && std::abs(p.y) <= wide * p.w;
+}
+
 /// The part of a → b inside the near plane and the picture with its margin, in clip space.
 Span clipSegment(const glm::dvec4& a, const glm::dvec4& b) {
-  const double wide = 1.0 + 2.0 * kSpineMargin;
-  // Signed distances to: near plane; left, right, bottom, top.
-  const auto distances = [wide](const glm::dvec4& p) {
-    return std::array<double, 5>{
-        p.z + p.w,
-        wide * p.w + p.x,
-        wide * p.w - p.x,
-        wide * p.w + p.y,
-        wide * p.w - p.y};
-  };
-  const auto from = distances(a);
-  const auto to = distances(b);
+  const auto from = planeDistances(a);
+  const auto to = planeDistances(b);
   Span span;
   for (std::size_t plane = 0; plane < from.size(); ++plane) {
     if (from[plane] < 0.0 && to[plane] < 0.0) return {1.0, 0.0};
@@ -51,7 +56,10 @@ Span clipSegment(const glm::dvec4& a, const glm::dvec4& b) {
 /// Builds the spines of one line at a time.
 class SpineBuilder {
  public:
-  SpineBuilder(const Viewport& viewport, SpineSet& out) : viewport_(viewport), out_(out) {}
+  SpineBuilder(const Viewport& viewport, float mergePx, SpineSet& out)
+      : scale_(0.5 * viewport.width, 0.5 * viewport.height),
+        nearest2_(mergePx * mergePx),
+        out_(out) {}
 
   void begin(LineKind kind, std::uint32_t line, bool isFree) {
     current_ = {};
@@ -63,17 +71,34 @@ class SpineBuilder {
   }
 
   void add(const glm::dvec4& clip, std::uint32_t source) {
-    const glm::dvec3 pixel = pixelFromClip(clip, viewport_);
-    const glm::vec2 point(pixel);
-    if (out_.points.size() > current_.begin &&
-        glm::distance(out_.points.back(), point) < kMergePx) {
-      // The next segment starts here, so it is its source that counts.
-      out_.source.back() = source;
-      return;
+    const double inverse = 1.0 / clip.w;
+    const glm::vec2 point(
+        static_cast<float>((clip.x * inverse + 1.0) * scale_.x),
+        static_cast<float>((1.0 - clip.y * inverse) * scale_.y));
+    if (out_.points.size() > current_.begin) {
+      const glm::vec2 step = point - out_.points.back();
+      if (glm::dot(step, step) < nearest2_) {
+        // The next segment starts here, so it is its source that counts.
+        out_.source.back() = source;
+        return;
+      }
+      current_.low = glm::min(current_.low, point);
+      current_.high = glm::max(current_.high, point);
+    } else {
+      current_.low = current_.high = point;
     }
     out_.points.push_back(point);
-    out_.depth.push_back(static_cast<float>(pixel.z));
+    out_.depth.push_back(static_cast<float>(0.5 * (clip.z * inverse + 1.0)));
     out_.source.push_back(source);
+  }
+
+  /// An end: where the line really ends, however near the point before is.
+  void addLast(const glm::dvec4& clip, std::uint32_t source) {
+    const std::size_t before = out_.points.size();
+    add(clip, source);
+    if (out_.points.size() > before || before <= current_.begin + 1) return;
+    drop(static_cast<std::uint32_t>(before - 1));
+    add(clip, source);
   }
 
   void finish(bool closed, bool isFree) {
@@ -83,7 +108,7 @@ class SpineBuilder {
     current_.closed = closed;
     current_.freeEnd = isFree;
     if (closed && current_.size() > 1 &&
-        glm::distance(out_.points.back(), out_.points[current_.begin]) < kMergePx) {
+        glm::distance(out_.points.back(), out_.points[current_.begin]) < std::sqrt(nearest2_)) {
       drop(current_.end - 1);
       --current_.end;
     }
@@ -104,127 +129,170 @@ class SpineBuilder {
     out_.source.resize(size);
   }
 
-  Viewport viewport_;
+  glm::dvec2 scale_;
+  float nearest2_;
   SpineSet& out_;
   SpineSet::Spine current_;
   bool open_ = false;
 };
 
+/// Cuts a line that leaves the picture: a spine for each piece inside. clip: its points.
+void cutLine(
+    const PolylineSet::Line& line,
+    std::uint32_t index,
+    std::span<const glm::dvec4> clip,
+    SpineBuilder& builder) {
+  const auto count = static_cast<std::uint32_t>(clip.size());
+  const std::uint32_t segments = line.segmentCount();
+  const auto spanOf = [&](std::uint32_t i) { return clipSegment(clip[i], clip[(i + 1) % count]); };
+  // A cut loop is walked from where it comes into the picture, so that no piece is split at the
+  // loop's arbitrary start.
+  std::uint32_t first = 0;
+  bool isCut = false;
+  for (std::uint32_t i = 0; line.closed && !isCut && i < segments; ++i) {
+    const Span span = spanOf(i);
+    if (span.begin > 0.0 || span.empty()) {
+      first = i;
+      isCut = true;
+    } else if (span.end < 1.0) {
+      first = (i + 1) % segments;
+      isCut = true;
+    }
+  }
+  for (std::uint32_t k = 0; k < segments; ++k) {
+    const std::uint32_t i = (first + k) % segments;
+    const Span span = spanOf(i);
+    const std::uint32_t source = line.begin + i;
+    if (span.empty()) {
+      builder.finish(false, false);
+      continue;
+    }
+    const glm::dvec4& a = clip[i];
+    const glm::dvec4& b = clip[(i + 1) % count];
+    if (span.begin > 0.0) builder.finish(false, false);
+    if (!builder.isOpen()) builder.begin(line.kind, index, span.begin == 0.0 && !isCut && k == 0);
+    builder.add(a + span.begin * (b - a), source);
+    const bool isLast = k + 1 == segments;
+    if (span.end < 1.0) {
+      builder.addLast(a + span.end * (b - a), source);
+      builder.finish(false, false);
+    } else if (isLast) {
+      const bool closed = line.closed && !isCut;
+      if (!closed) builder.addLast(b, source);
+      builder.finish(closed, !isCut);
+    }
+  }
+}
+
 }  // namespace
 
-SpineSet projectLines(const PolylineSet& lines, const LineScene& scene) {
+void SpineProjector::project(
+    const PolylineSet& lines,
+    const LineScene& scene,
+    float mergePx,
+    SpineSet& out) {
   const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
   glm::dmat4 clipFromGrid = clipFromWorld * scene.grid.step;
   clipFromGrid[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
 
-  SpineSet out;
-  out.points.reserve(lines.points.size());
-  out.depth.reserve(lines.points.size());
-  out.source.reserve(lines.points.size());
-  SpineBuilder builder(scene.viewport, out);
-  std::vector<glm::dvec4> clip;
-  std::vector<Span> spans;
+  out.points.clear();
+  out.depth.clear();
+  out.source.clear();
+  out.spines.clear();
+  SpineBuilder builder(scene.viewport, std::max(mergePx, kSamePx), out);
   for (std::uint32_t index = 0; index < lines.lines.size(); ++index) {
     const PolylineSet::Line& line = lines.lines[index];
     const std::uint32_t count = line.end - line.begin;
     if (count < 2) continue;
-    clip.resize(count);
+    clip_.resize(count);
+    bool isWhole = true;
     for (std::uint32_t i = 0; i < count; ++i) {
-      clip[i] = clipFromGrid * glm::dvec4(lines.points[line.begin + i], 1.0);
+      const glm::dvec3 p(lines.points[line.begin + i]);
+      clip_[i] =
+          clipFromGrid[0] * p.x + clipFromGrid[1] * p.y + clipFromGrid[2] * p.z + clipFromGrid[3];
+      isWhole = isWhole && isInside(clip_[i]);
     }
-    const std::uint32_t segments = line.segmentCount();
-    spans.resize(segments);
-    std::uint32_t first = 0;
-    bool isCut = false;
-    for (std::uint32_t i = 0; i < segments; ++i) {
-      spans[i] = clipSegment(clip[i], clip[(i + 1) % count]);
-      // A cut loop is walked from where it comes into the picture, so that no piece is split at
-      // the loop's arbitrary start.
-      if (line.closed && (spans[i].begin > 0.0 || spans[i].empty()) && !isCut) {
-        first = i;
-        isCut = true;
-      }
-      if (line.closed && spans[i].end < 1.0 && !isCut) {
-        first = (i + 1) % segments;
-        isCut = true;
-      }
-    }
-    for (std::uint32_t k = 0; k < segments; ++k) {
-      const std::uint32_t i = (first + k) % segments;
-      const Span& span = spans[i];
-      const std::uint32_t source = line.begin + i;
-      if (span.empty()) {
-        builder.finish(false, false);
-        continue;
-      }
-      const glm::dvec4& a = clip[i];
-      const glm::dvec4& b = clip[(i + 1) % count];
-      if (span.begin > 0.0) builder.finish(false, false);
-      if (!builder.isOpen()) builder.begin(line.kind, index, span.begin == 0.0 && !isCut && k == 0);
-      builder.add(a + span.begin * (b - a), source);
-      const bool isLast = k + 1 == segments;
-      if (span.end < 1.0) {
-        builder.add(a + span.end * (b - a), source);
-        builder.finish(false, false);
-      } else if (isLast) {
-        const bool closed = line.closed && !isCut;
-        if (!closed) builder.add(b, source);
-        builder.finish(closed, !isCut);
-      }
+    if (isWhole) {
+      builder.begin(line.kind, index, true);
+      const std::uint32_t inner = line.closed ? count : count - 1;
+      for (std::uint32_t i = 0; i < inner; ++i)
+        builder.add(clip_[i], line.begin + i);
+      if (!line.closed) builder.addLast(clip_[inner], line.begin + inner - 1);
+      builder.finish(line.closed, true);
+    } else {
+      cutLine(line, index, clip_, builder);
     }
   }
   out.exact = out.points;
+}
+
+SpineSet projectLines(const PolylineSet& lines, const LineScene& scene) {
+  SpineSet out;
+  SpineProjector().project(lines, scene, kSamePx, out);
   return out;
 }
 
 void smoothSpines(float sigmaPx, SpineSet& spines) {
   if (!(sigmaPx > 0.0F)) return;
-  const std::vector<glm::vec2> before = spines.points;
-  const float reach = 2.5F * sigmaPx;
+  const float reach = kBellReach * sigmaPx;
+  const float perReach2 = 1.0F / (reach * reach);
+  std::vector<glm::vec2> before;
+  std::vector<float> gaps;    // from each point to the next
+  std::vector<float> shares;  // the length of line that a point stands for
   for (const SpineSet::Spine& spine : spines.spines) {
     const std::uint32_t count = spine.size();
-    const auto at = [&](std::uint32_t i) { return before[spine.begin + i % count]; };
-    // Length of line that a point stands for, so that uneven spacing does not pull.
-    const auto share = [&](std::uint32_t i) {
-      const bool hasPrev = spine.closed || i > 0;
-      const bool hasNext = spine.closed || i + 1 < count;
-      const float prev = hasPrev ? glm::distance(at(i + count - 1), at(i)) : 0.0F;
-      const float next = hasNext ? glm::distance(at(i), at(i + 1)) : 0.0F;
-      return 0.5F * (std::min(prev, reach) + std::min(next, reach));
-    };
+    glm::vec2* points = &spines.points[spine.begin];
+    before.assign(points, points + count);
+    gaps.resize(count);
+    shares.resize(count);
+    for (std::uint32_t i = 0; i + 1 < count; ++i)
+      gaps[i] = glm::distance(before[i], before[i + 1]);
+    gaps[count - 1] = spine.closed ? glm::distance(before[count - 1], before[0]) : 0.0F;
+    // Uneven spacing must not pull.
+    float last = std::min(gaps[count - 1], reach);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const float gap = std::min(gaps[i], reach);
+      shares[i] = 0.5F * (last + gap);
+      last = gap;
+    }
     const std::uint32_t firstMoving = spine.closed ? 0 : 1;
     const std::uint32_t lastMoving = spine.closed ? count : count - 1;
     for (std::uint32_t i = firstMoving; i < lastMoving; ++i) {
-      glm::vec2 sum = share(i) * at(i);
-      float weight = share(i);
+      glm::vec2 sum = shares[i] * before[i];
+      float weight = shares[i];
       // The window is cut to what both sides have, else the ends of a line would draw in.
-      float away[2] = {0.0F, 0.0F};
+      const std::uint32_t room = spine.closed ? count / 2 : std::min(i, count - 1 - i);
+      float awayBack = 0.0F;
+      float awayForth = 0.0F;
       std::uint32_t back = i;
       std::uint32_t forth = i;
-      for (std::uint32_t step = 1; step < count / 2 + 1; ++step) {
-        if (!spine.closed && (back == 0 || forth + 1 >= count)) break;
-        const std::uint32_t newBack = (back + count - 1) % count;
-        const std::uint32_t newForth = (forth + 1) % count;
-        away[0] += glm::distance(at(back), at(newBack));
-        away[1] += glm::distance(at(forth), at(newForth));
-        back = newBack;
-        forth = newForth;
-        if (away[0] > reach || away[1] > reach) break;
-        const float backWeight =
-            share(back) * std::exp(-away[0] * away[0] / (2.0F * sigmaPx * sigmaPx));
-        const float forthWeight =
-            share(forth) * std::exp(-away[1] * away[1] / (2.0F * sigmaPx * sigmaPx));
-        sum += backWeight * at(back) + forthWeight * at(forth);
-        weight += backWeight + forthWeight;
+      for (std::uint32_t step = 0; step < room; ++step) {
+        awayForth += gaps[forth];
+        forth = forth + 1 == count ? 0 : forth + 1;
+        back = back == 0 ? count - 1 : back - 1;
+        awayBack += gaps[back];
+        if (awayBack > reach || awayForth > reach) break;
+        const float nearBack = 1.0F - awayBack * awayBack * perReach2;
+        const float nearForth = 1.0F - awayForth * awayForth * perReach2;
+        const float weightBack = shares[back] * nearBack * nearBack;
+        const float weightForth = shares[forth] * nearForth * nearForth;
+        sum += weightBack * before[back] + weightForth * before[forth];
+        weight += weightBack + weightForth;
       }
-      if (weight > 0.0F) spines.points[spine.begin + i] = sum / weight;
+      if (weight > 0.0F) points[i] = sum / weight;
     }
   }
 }
 
 SpineArcs measureSpines(const SpineSet& spines) {
   SpineArcs arcs;
+  measureSpines(spines, arcs);
+  return arcs;
+}
+
+void measureSpines(const SpineSet& spines, SpineArcs& arcs) {
   arcs.arc.resize(spines.points.size());
+  arcs.length.clear();
   arcs.length.reserve(spines.spines.size());
   for (const SpineSet::Spine& spine : spines.spines) {
     float arc = 0.0F;
@@ -237,7 +305,6 @@ SpineArcs measureSpines(const SpineSet& spines) {
       arc += glm::distance(spines.points[spine.end - 1], spines.points[spine.begin]);
     arcs.length.push_back(arc);
   }
-  return arcs;
 }
 
 }  // namespace limn

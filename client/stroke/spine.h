@@ -22,6 +22,11 @@ struct SpineSet {
     std::uint32_t begin = 0;  // points[begin … end)
     std::uint32_t end = 0;
     std::uint32_t line = 0;  // of the PolylineSet
+    glm::vec2 low{0.0F};     // the box around its points
+    glm::vec2 high{0.0F};
+
+    /// Diagonal of its box, pixels.
+    [[nodiscard]] float extentPx() const { return glm::distance(low, high); }
 
     [[nodiscard]] std::uint32_t size() const { return end - begin; }
   };
@@ -36,12 +41,24 @@ struct SpineSet {
 /// How far outside the picture spines are kept, as a fraction of its size on each side.
 inline constexpr double kSpineMargin = 0.1;
 
-/// Projects and cuts lines. Points that fall together in the picture are merged. Cost: O(points).
+/// Projects and cuts lines. Keeps its working memory from frame to frame.
+/// Threads: one caller at a time.
+class SpineProjector {
+ public:
+  /// Fills `out` anew. mergePx: points nearer than this to the one before are left out.
+  /// Cost: O(points).
+  void project(const PolylineSet& lines, const LineScene& scene, float mergePx, SpineSet& out);
+
+ private:
+  std::vector<glm::dvec4> clip_;  // of the line at hand
+};
+
+/// SpineProjector once, with every point that can be told from its neighbour.
 [[nodiscard]] SpineSet projectLines(const PolylineSet& lines, const LineScene& scene);
 
-/// Evens out the zig-zag of lines made of short mesh edges: every point moves to the Gaussian mean
-/// (standard deviation sigmaPx along the line) of its neighbours, so that corners between long
-/// segments stay where they are; ends stay. Cost: O(points) for segments of about sigmaPx.
+/// Evens out the zig-zag of lines made of short mesh edges: every point moves to the weighted mean
+/// (a bell of standard deviation sigmaPx along the line) of its neighbours, so that corners between
+/// long segments stay where they are; ends stay. Cost: O(points) for segments of about sigmaPx.
 void smoothSpines(float sigmaPx, SpineSet& spines);
 
 /// Distance along each spine from its start to each of its points, in pixels, as drawn; and the
@@ -52,5 +69,7 @@ struct SpineArcs {
 };
 
 [[nodiscard]] SpineArcs measureSpines(const SpineSet& spines);
+/// The same into `arcs`, whose memory is used again.
+void measureSpines(const SpineSet& spines, SpineArcs& arcs);
 
 }  // namespace limn

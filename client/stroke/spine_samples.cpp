@@ -14,6 +14,18 @@ SpineSamples sampleSpines(
     const PolylineSet& lines,
     const LineScene& scene,
     const SampleOptions& options) {
+  SpineSamples out;
+  sampleSpines(spines, arcs, lines, scene, options, out);
+  return out;
+}
+
+void sampleSpines(
+    const SpineSet& spines,
+    const SpineArcs& arcs,
+    const PolylineSet& lines,
+    const LineScene& scene,
+    const SampleOptions& options,
+    SpineSamples& out) {
   double total = 0.0;
   for (const float length : arcs.length)
     total += length;
@@ -25,7 +37,10 @@ SpineSamples sampleSpines(
 
   const SegmentJudge judge(lines, scene);
   const glm::vec2 toFraction(1.0F / scene.viewport.width, 1.0F / scene.viewport.height);
-  SpineSamples out;
+  out.samples.clear();
+  out.source.clear();
+  out.begin.clear();
+  out.perPx.clear();
   out.samples.reserve(static_cast<std::size_t>(total / spacing) + 2 * spines.spines.size());
   for (std::size_t index = 0; index < spines.spines.size(); ++index) {
     const SpineSet::Spine& spine = spines.spines[index];
@@ -43,9 +58,10 @@ SpineSamples sampleSpines(
     std::uint32_t segment = 0;  // from point begin + segment
     std::uint32_t judged = kNone;
     SegmentFacts facts;
+    glm::vec2 outward(0.0F);
+    const std::uint32_t lastSegment = spine.size() - (spine.closed ? 1 : 2);
     for (std::uint32_t i = 0; i < count; ++i) {
       const float arc = length * static_cast<float>(i) / static_cast<float>(steps);
-      const std::uint32_t lastSegment = spine.size() - (spine.closed ? 1 : 2);
       while (segment < lastSegment && arcs.arc[spine.begin + segment + 1] < arc)
         ++segment;
       const std::uint32_t from = spine.begin + segment;
@@ -61,19 +77,22 @@ SpineSamples sampleSpines(
         const std::uint32_t next =
             source + 1 < line.end ? source + 1 : (line.closed ? line.begin : source);
         facts = judge.judge(line.kind, source, next);
+        const glm::vec2 along = spines.exact[to] - spines.exact[from];
+        const float size = glm::length(along);
+        outward =
+            size > 1e-6F ? glm::vec2(-along.y, along.x) * (facts.openSide / size) : glm::vec2(0.0F);
       }
       SpineSample sample;
       sample.position = glm::mix(spines.exact[from], spines.exact[to], t) * toFraction;
       sample.depth = glm::mix(spines.depth[from], spines.depth[to], t);
       sample.bias = facts.hiddenByRule ? -1.0F : facts.bias;
-      sample.outward = facts.outward;
+      sample.outward = outward;
       sample.first = static_cast<float>(first);
       sample.last = spine.closed ? -last : last;
       out.samples.push_back(sample);
       out.source.push_back(source);
     }
   }
-  return out;
 }
 
 }  // namespace limn

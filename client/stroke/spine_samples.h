@@ -52,4 +52,13 @@ struct SampleOptions {
     const LineScene& scene,
     const SampleOptions& options = {});
 
+/// The same into `out`, whose memory is used again.
+void sampleSpines(
+    const SpineSet& spines,
+    const SpineArcs& arcs,
+    const PolylineSet& lines,
+    const LineScene& scene,
+    const SampleOptions& options,
+    SpineSamples& out);
+
 }  // namespace limn

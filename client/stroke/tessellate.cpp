@@ -7,9 +7,8 @@
 #include "client/stroke/tessellate.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
-#include <numbers>
 
 namespace limn {
 namespace {
@@ -18,14 +17,16 @@ namespace {
 /// away from the spine.
 constexpr float kMitreCosine = 0.34F;
 
-/// Limits below which lines fade are at most this share of the whole drawing's extent, so that a
-/// small picture of a model is not an empty one.
-constexpr float kLargestFade = 0.08F;
+/// How far the strip's middle may run from the spine, pixels.
+constexpr float kSimplifyPx = 0.08F;
+/// How long its segments may be made that way.
+constexpr float kLongestPx = 24.0F;
 
 /// A place along a spine where the strip has corners.
 struct Station {
   glm::vec2 point{0.0F};
   float arc = 0.0F;
+  float parameter = 0.0F;
   float halfWidth = 0.0F;
 };
 
@@ -33,83 +34,80 @@ glm::vec2 leftOf(const glm::vec2& direction) {
   return {direction.y, -direction.x};
 }
 
-/// Where in the texture a line starts: every line differently, the same one in every frame.
-float startOfTexture(const PolylineSet& lines, const SpineSet::Spine& spine) {
-  const glm::vec3 p = lines.points[lines.lines[spine.line].begin];
-  std::uint32_t hash = 2166136261U;
-  for (const float value : {p.x, p.y, p.z}) {
-    hash = (hash ^ std::bit_cast<std::uint32_t>(value)) * 16777619U;
-    hash ^= hash >> 15U;
-  }
-  return static_cast<float>(hash >> 8U) / 16777216.0F;
+float cross(const glm::vec2& a, const glm::vec2& b) {
+  return a.x * b.y - a.y * b.x;
 }
 
-/// One at full size, 0 at half of it: how much a line of this extent is to be seen.
-float fade(float extentPx, float belowPx) {
-  if (!(belowPx > 0.0F)) return 1.0F;
-  const float t = std::clamp(extentPx / belowPx - 1.0F, 0.0F, 1.0F);
-  return t * t * (3.0F - 2.0F * t);
-}
+/// Follows points from an anchor and says how far a straight line stays within a tolerance of all
+/// of them [Zhao, Saalfeld 1997, "sleeve-fitting"].
+class Sleeve {
+ public:
+  void start(const glm::vec2& anchor) {
+    anchor_ = anchor;
+    isEmpty_ = true;
+  }
+
+  /// Whether the line from the anchor to p passes every point added so far; then p is added.
+  bool add(const glm::vec2& p) {
+    const glm::vec2 d = p - anchor_;
+    const float size2 = glm::dot(d, d);
+    if (size2 <= 4.0F * kSimplifyPx * kSimplifyPx) return true;  // in reach from any direction
+    if (!isEmpty_ &&
+        (cross(low_, d) < 0.0F || cross(d, high_) < 0.0F || glm::dot(d, last_) <= 0.0F))
+      return false;
+    // The directions that pass p: turned by asin(tolerance / distance) to either side.
+    const float sine = kSimplifyPx / std::sqrt(size2);
+    const float cosine = std::sqrt(1.0F - sine * sine);
+    const glm::vec2 low(cosine * d.x + sine * d.y, cosine * d.y - sine * d.x);
+    const glm::vec2 high(cosine * d.x - sine * d.y, cosine * d.y + sine * d.x);
+    if (isEmpty_ || cross(low_, low) > 0.0F) low_ = low;
+    if (isEmpty_ || cross(high, high_) > 0.0F) high_ = high;
+    last_ = d;
+    isEmpty_ = false;
+    return true;
+  }
+
+ private:
+  glm::vec2 anchor_{0.0F};
+  glm::vec2 low_{0.0F};
+  glm::vec2 high_{0.0F};
+  glm::vec2 last_{0.0F};
+  bool isEmpty_ = true;
+};
 
 /// Builds the strip of one spine at a time.
 class StripBuilder {
  public:
-  StripBuilder(const SpineSet& spines, const StrokeStyle& style, float widthPx, StrokeMesh& out)
-      : style_(style),
+  StripBuilder(const StrokeSpines& in, const StrokeStyle& style, float widthPx, StrokeMesh& out)
+      : in_(in),
+        style_(style),
         widthPx_(widthPx),
         out_(out) {
-    if (spines.points.empty()) return;
-    largestFade_ =
-        kLargestFade * extentOf(spines, 0, static_cast<std::uint32_t>(spines.points.size()));
+    const float period = texturePeriod(style, widthPx);
+    const float visible = std::max(style.visible.lengthPx, 1.0F);
+    const float hidden = std::max(style.hidden.lengthPx, 1.0F);
+    const float longer = std::max(visible, hidden);
+    visiblePerPx_ = std::max(1.0F, std::round(longer / visible)) / period;
+    hiddenPerPx_ = std::max(1.0F, std::round(longer / hidden)) / period;
   }
 
-  void build(
-      const SpineSet& spines,
-      const SpineArcs& arcs,
-      const SpineSamples& samples,
-      const PolylineSet& lines,
-      std::uint32_t index) {
-    const SpineSet::Spine& spine = spines.spines[index];
-    const float length = arcs.length[index];
-    if (!(length > 0.0F)) return;
+  void build(std::uint32_t index) {
+    const SpineSet::Spine& spine = in_.spines.spines[index];
+    length_ = in_.arcs.length[index];
+    if (!(length_ > 0.0F)) return;
+    visibleFade_ = in_.fades[index].visible;
+    hiddenFade_ = in_.fades[index].hidden;
+    if (visibleFade_ <= 0.0F && hiddenFade_ <= 0.0F) return;
     const bool isThin = spine.kind == LineKind::kCrease || spine.kind == LineKind::kSeam;
     const float ink = widthPx_ * (isThin ? style_.creaseWidth : 1.0F);
-    length_ = length;
     fullHalfWidth_ = 0.5F * ink / style_.body;
-    sampleBegin_ = static_cast<float>(samples.begin[index]);
-    samplePerPx_ = samples.perPx[index];
-    // Textures grow with the stroke's width, else a wide stroke's would look squashed.
-    const float scale = widthPx_ / style_.widthPx;
-    visiblePerPx_ = repeatsPerPx(style_.visible.lengthPx * scale, spine.closed);
-    hiddenPerPx_ = repeatsPerPx(style_.hidden.lengthPx * scale, spine.closed);
-    start_ = startOfTexture(lines, spine);
-    const float extent = extentOf(spines, spine.begin, spine.end);
-    // Short creases are mostly noise of a scan.
-    const float factor = isThin ? style_.creaseFade : 1.0F;
-    visibleFade_ = fade(extent, std::min(factor * style_.fadeBelowPx, largestFade_));
-    hiddenFade_ = fade(extent, std::min(factor * style_.fadeHiddenBelowPx, largestFade_));
-    if (visibleFade_ <= 0.0F && hiddenFade_ <= 0.0F) return;
-
-    collectStations(spines, arcs, spine);
-    emit(spine.closed);
+    sampleBegin_ = static_cast<float>(in_.samples.begin[index]);
+    samplePerPx_ = in_.samples.perPx[index];
+    collectStations(spine);
+    emit(spine);
   }
 
  private:
-  [[nodiscard]] float repeatsPerPx(float repeatPx, bool closed) const {
-    if (!closed) return 1.0F / repeatPx;
-    return std::max(1.0F, std::round(length_ / repeatPx)) / length_;
-  }
-
-  static float extentOf(const SpineSet& spines, std::uint32_t begin, std::uint32_t end) {
-    glm::vec2 low = spines.points[begin];
-    glm::vec2 high = low;
-    for (std::uint32_t i = begin; i < end; ++i) {
-      low = glm::min(low, spines.points[i]);
-      high = glm::max(high, spines.points[i]);
-    }
-    return glm::distance(low, high);
-  }
-
   /// Half the strip's width at a distance from the nearer free end.
   [[nodiscard]] float profile(float fromEndPx) const {
     const float full = fullHalfWidth_;
@@ -132,72 +130,110 @@ class StripBuilder {
     return half;
   }
 
-  void
-  collectStations(const SpineSet& spines, const SpineArcs& arcs, const SpineSet::Spine& spine) {
+  void collectStations(const SpineSet::Spine& spine) {
     stations_.clear();
+    const SpineSet& spines = in_.spines;
     const float radius = fullHalfWidth_ * style_.body;
     const float extra = style_.overshootPx + radius;
     const float before = !spine.closed && spine.freeStart ? extra : 0.0F;
     const float after = !spine.closed && spine.freeEnd ? extra : 0.0F;
-    const auto endDistance = [&](float arc) {
-      float distance = 1e9F;
-      if (before > 0.0F) distance = std::min(distance, arc + before);
-      if (after > 0.0F) distance = std::min(distance, length_ + after - arc);
-      return distance;
-    };
-    const auto add = [&](const glm::vec2& point, float arc) {
-      stations_.push_back({point, arc, spine.closed ? fullHalfWidth_ : profile(endDistance(arc))});
-    };
     // The cap and the taper need stations of their own, whatever the spacing of the spine.
     const float shaped = std::max(
         {style_.taperPx, 2.0F * fullHalfWidth_ * (style_.pool > 0.0F ? 2.0F : 1.0F), extra});
-    const float steps[] = {0.0F, 0.06F * radius, 0.2F * radius, 0.5F * radius, radius};
+    const auto add = [&](const glm::vec2& point, float arc, float parameter) {
+      float fromEnd = 1e9F;
+      if (before > 0.0F) fromEnd = std::min(fromEnd, arc + before);
+      if (after > 0.0F) fromEnd = std::min(fromEnd, length_ + after - arc);
+      const bool isShaped = fromEnd < 2.0F * shaped;
+      stations_.push_back({point, arc, parameter, isShaped ? profile(fromEnd) : fullHalfWidth_});
+    };
+    const std::array<float, 5> steps = {0.0F, 0.06F * radius, 0.2F * radius, 0.5F * radius, radius};
     if (before > 0.0F) {
       const glm::vec2 a = spines.points[spine.begin];
-      const glm::vec2 direction = glm::normalize(spines.points[spine.begin + 1] - a);
+      const glm::vec2 direction = directionFrom(a, spines.points[spine.begin + 1]);
+      const float start = in_.parameters.from[spine.begin];
       for (const float step : steps) {
-        if (step < before) add(a - direction * (before - step), step - before);
+        if (step < before)
+          add(a - direction * (before - step), step - before, start + step - before);
       }
     }
-    for (std::uint32_t i = spine.begin; i < spine.end; ++i) {
-      add(spines.points[i], arcs.arc[i]);
-      const bool isLast = i + 1 == spine.end;
-      if (isLast && !spine.closed) break;
-      const glm::vec2 next = isLast ? spines.points[spine.begin] : spines.points[i + 1];
-      const float from = arcs.arc[i];
-      const float to = isLast ? length_ : arcs.arc[i + 1];
-      // Long segments are divided where the width changes.
-      if (spine.closed || to - from < 3.0F) continue;
-      constexpr int kParts = 6;
-      float cuts[2 * kParts];
-      int count = 0;
-      for (int k = 1; k < kParts; ++k) {
-        const float d = shaped * static_cast<float>(k) / kParts;
-        if (before > 0.0F && d > from && d < to) cuts[count++] = d;
-        if (after > 0.0F && length_ - d > from && length_ - d < to) cuts[count++] = length_ - d;
-      }
-      std::sort(cuts, cuts + count);
-      for (int k = 0; k < count; ++k) {
-        add(glm::mix(spines.points[i], next, (cuts[k] - from) / (to - from)), cuts[k]);
-      }
-    }
+    addInner(spine, before > 0.0F ? shaped : 0.0F, after > 0.0F ? shaped : 0.0F, add);
     if (after > 0.0F) {
       const glm::vec2 b = spines.points[spine.end - 1];
-      const glm::vec2 direction = glm::normalize(b - spines.points[spine.end - 2]);
-      for (auto step = std::rbegin(steps); step != std::rend(steps); ++step) {
-        if (*step < after) add(b + direction * (after - *step), length_ + after - *step);
+      const glm::vec2 direction = directionFrom(spines.points[spine.end - 2], b);
+      const float end = in_.parameters.to[spine.end - 2];
+      for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
+        if (*step < after)
+          add(b + direction * (after - *step), length_ + after - *step, end + after - *step);
       }
     }
   }
 
-  std::uint32_t vertex(const glm::vec2& position, float across, float arc, float half) {
+  static glm::vec2 directionFrom(const glm::vec2& a, const glm::vec2& b) {
+    const float size = glm::distance(a, b);
+    return size > 0.0F ? (b - a) / size : glm::vec2(1.0F, 0.0F);
+  }
+
+  /// Stations on the spine itself: the points it cannot do without, and more where the width
+  /// changes (over so much of its start and end).
+  template <class Add>
+  void addInner(const SpineSet::Spine& spine, float shapedStart, float shapedEnd, Add add) {
+    const glm::vec2* points = in_.spines.points.data();
+    const float* arcs = in_.arcs.arc.data();
+    const float* from = in_.parameters.from.data();
+    const float* to = in_.parameters.to.data();
+    const std::uint32_t last = spine.end - 1;
+    const auto pointAt = [&](std::uint32_t i) { return points[i < spine.end ? i : spine.begin]; };
+    const auto arcAt = [&](std::uint32_t i) { return i < spine.end ? arcs[i] : length_; };
+    add(points[spine.begin], 0.0F, from[spine.begin]);
+    Sleeve sleeve;
+    std::uint32_t anchor = spine.begin;
+    // One past the last point: the end of a closed line's last segment, which emit() adds.
+    const std::uint32_t stop = spine.closed ? spine.end : last;
+    while (anchor < stop) {
+      sleeve.start(points[anchor]);
+      std::uint32_t next = anchor + 1;
+      sleeve.add(pointAt(next));
+      const bool mayBeLong = arcs[anchor] >= shapedStart;
+      while (next < stop && mayBeLong && arcAt(next + 1) - arcs[anchor] < kLongestPx &&
+             arcAt(next + 1) <= length_ - shapedEnd && from[next] == to[next - 1] &&
+             sleeve.add(pointAt(next + 1))) {
+        ++next;
+      }
+      const float begin = arcs[anchor];
+      const float end = arcAt(next);
+      const float parameterEnd = to[next - 1];
+      if (end - begin >= 3.0F && (begin < shapedStart || end > length_ - shapedEnd)) {
+        constexpr int kParts = 6;
+        for (int k = 1; k < 2 * kParts; ++k) {
+          const float cut = k < kParts
+                                ? shapedStart * static_cast<float>(k) / kParts
+                                : length_ - shapedEnd * static_cast<float>(2 * kParts - k) / kParts;
+          const float t = (cut - begin) / (end - begin);
+          if (!(cut > stations_.back().arc) || !(t > 0.0F && t < 1.0F)) continue;
+          add(glm::mix(points[anchor], pointAt(next), t),
+              cut,
+              glm::mix(from[anchor], parameterEnd, t));
+        }
+      }
+      if (next < spine.end) {
+        add(points[next], end, parameterEnd);
+        // A seam: two stations at one place.
+        if (next < last && from[next] != parameterEnd) add(points[next], end, from[next]);
+      }
+      anchor = next;
+    }
+  }
+
+  std::uint32_t
+  vertex(const glm::vec2& position, float across, float arc, float parameter, float half) {
     const float onLine = std::clamp(arc, 0.0F, length_);
     out_.vertices.push_back(
         {position,
          across,
          sampleBegin_ + samplePerPx_ * onLine,
-         start_ + visiblePerPx_ * arc,
-         start_ + hiddenPerPx_ * arc,
+         visiblePerPx_ * parameter,
+         hiddenPerPx_ * parameter,
          visibleFade_,
          hiddenFade_,
          half});
@@ -209,22 +245,31 @@ class StripBuilder {
     std::uint32_t right = 0;
   };
 
-  Pair pair(const glm::vec2& point, const glm::vec2& aside, float arc, float half) {
-    return {vertex(point + aside, -1.0F, arc, half), vertex(point - aside, 1.0F, arc, half)};
+  Pair pair(const Station& at, const glm::vec2& aside) {
+    return {
+        vertex(at.point + aside, -1.0F, at.arc, at.parameter, at.halfWidth),
+        vertex(at.point - aside, 1.0F, at.arc, at.parameter, at.halfWidth)};
   }
 
   void quad(const Pair& a, const Pair& b) {
-    out_.indices.insert(out_.indices.end(), {a.left, a.right, b.left, b.left, a.right, b.right});
+    const std::size_t size = out_.indices.size();
+    out_.indices.resize(size + 6);
+    std::uint32_t* i = &out_.indices[size];
+    i[0] = a.left;
+    i[1] = a.right;
+    i[2] = b.left;
+    i[3] = b.left;
+    i[4] = a.right;
+    i[5] = b.right;
   }
 
   /// Closes the outer side of a sharp corner: a fan around the spine from normal n0 to n1.
-  void fan(const Station& at, float arc, const glm::vec2& n0, const glm::vec2& n1) {
-    const float cross = n0.x * n1.y - n0.y * n1.x;
+  void fan(const Station& at, const glm::vec2& n0, const glm::vec2& n1) {
     // Turning right in a picture whose y runs down has cross > 0: the left side is the outer one.
-    const float side = cross >= 0.0F ? 1.0F : -1.0F;
+    const float side = cross(n0, n1) >= 0.0F ? 1.0F : -1.0F;
     const float turn = side * std::acos(std::clamp(glm::dot(n0, n1), -1.0F, 1.0F));
     const int parts = std::max(2, static_cast<int>(std::ceil(std::abs(turn) / 0.4F)));
-    const std::uint32_t centre = vertex(at.point, 0.0F, arc, at.halfWidth);
+    const std::uint32_t centre = vertex(at.point, 0.0F, at.arc, at.parameter, at.halfWidth);
     std::uint32_t previous = 0;
     for (int k = 0; k <= parts; ++k) {
       const float angle = turn * static_cast<float>(k) / static_cast<float>(parts);
@@ -232,85 +277,89 @@ class StripBuilder {
           std::cos(angle) * n0.x - std::sin(angle) * n0.y,
           std::sin(angle) * n0.x + std::cos(angle) * n0.y);
       const std::uint32_t rim =
-          vertex(at.point + side * at.halfWidth * n, -side, arc, at.halfWidth);
+          vertex(at.point + side * at.halfWidth * n, -side, at.arc, at.parameter, at.halfWidth);
       if (k > 0) out_.indices.insert(out_.indices.end(), {centre, previous, rim});
       previous = rim;
     }
   }
 
-  void emit(bool closed) {
+  void emit(const SpineSet::Spine& spine) {
+    const bool closed = spine.closed;
     const std::size_t count = stations_.size();
     if (count < 2) return;
     const std::size_t segments = closed ? count : count - 1;
     directions_.resize(segments);
     glm::vec2 known(1.0F, 0.0F);
     for (std::size_t i = 0; i < segments; ++i) {
-      const glm::vec2 step = stations_[(i + 1) % count].point - stations_[i].point;
-      const float size = glm::length(step);
-      if (size > 1e-4F) known = step / size;
+      const glm::vec2 step = stations_[i + 1 < count ? i + 1 : 0].point - stations_[i].point;
+      const float size2 = glm::dot(step, step);
+      if (size2 > 1e-8F) known = step / std::sqrt(size2);
       directions_[i] = known;
     }
     Pair previous;
     for (std::size_t i = 0; i <= segments; ++i) {
-      const Station& at = stations_[i % count];
-      const float arc = i == count ? length_ : at.arc;  // a loop's end is its start, one lap on
+      Station at = stations_[i < count ? i : 0];
+      if (i == count) {  // a loop's end is its start, one lap on
+        at.arc = length_;
+        at.parameter = in_.parameters.to[spine.end - 1];
+      }
       const bool hasIn = closed || i > 0;
       const bool hasOut = closed || i < segments;
-      const glm::vec2 in = directions_[(i + segments - 1) % segments];
-      const glm::vec2 out = directions_[i % segments];
+      const glm::vec2 in = directions_[i > 0 ? i - 1 : segments - 1];
+      const glm::vec2 out = directions_[i < segments ? i : 0];
       const glm::vec2 n0 = leftOf(hasIn ? in : out);
       const glm::vec2 n1 = leftOf(hasOut ? out : in);
       const float cosine = glm::dot(n0, n1);
       if (cosine > kMitreCosine) {
         // |n0 + n1|² = 2 + 2 cos; the mitre is (n0 + n1) / (1 + cos).
-        const Pair here =
-            pair(at.point, (n0 + n1) * (at.halfWidth / (1.0F + cosine)), arc, at.halfWidth);
+        const Pair here = pair(at, (n0 + n1) * (at.halfWidth / (1.0F + cosine)));
         if (i > 0) quad(previous, here);
         previous = here;
       } else {
-        if (i > 0) quad(previous, pair(at.point, n0 * at.halfWidth, arc, at.halfWidth));
+        if (i > 0) quad(previous, pair(at, n0 * at.halfWidth));
         // A loop's last corner has its fan from when it was the first.
-        if (i < count) fan(at, arc, n0, n1);
-        previous = pair(at.point, n1 * at.halfWidth, arc, at.halfWidth);
+        if (i < count) fan(at, n0, n1);
+        previous = pair(at, n1 * at.halfWidth);
       }
     }
   }
 
+  const StrokeSpines& in_;
   const StrokeStyle& style_;
   float widthPx_;
   StrokeMesh& out_;
-  float largestFade_ = 0.0F;
   std::vector<Station> stations_;
   std::vector<glm::vec2> directions_;
+  float visiblePerPx_ = 0.0F;
+  float hiddenPerPx_ = 0.0F;
   // Of the spine being built.
   float length_ = 0.0F;
   float fullHalfWidth_ = 0.0F;
   float sampleBegin_ = 0.0F;
   float samplePerPx_ = 0.0F;
-  float visiblePerPx_ = 0.0F;
-  float hiddenPerPx_ = 0.0F;
-  float start_ = 0.0F;
   float visibleFade_ = 1.0F;
   float hiddenFade_ = 1.0F;
 };
 
 }  // namespace
 
-StrokeMesh tessellate(
-    const SpineSet& spines,
-    const SpineArcs& arcs,
-    const SpineSamples& samples,
-    const PolylineSet& lines,
+float texturePeriod(const StrokeStyle& style, float widthPx) {
+  // Textures grow with the stroke's width, else a wide stroke's would look squashed.
+  return std::max({style.visible.lengthPx, style.hidden.lengthPx, 1.0F}) * widthPx / style.widthPx;
+}
+
+void tessellate(
+    const StrokeSpines& strokes,
     const StrokeStyle& style,
-    float widthPx) {
-  StrokeMesh mesh;
-  mesh.vertices.reserve(2 * spines.points.size());
-  mesh.indices.reserve(6 * spines.points.size());
-  StripBuilder builder(spines, style, widthPx, mesh);
-  for (std::uint32_t i = 0; i < spines.spines.size(); ++i) {
-    builder.build(spines, arcs, samples, lines, i);
-  }
-  return mesh;
+    float widthPx,
+    StrokeMesh& out) {
+  out.vertices.clear();
+  out.indices.clear();
+  out.vertices.reserve(strokes.spines.points.size());
+  out.indices.reserve(3 * strokes.spines.points.size());
+  StripBuilder builder(strokes, style, widthPx, out);
+  for (std::uint32_t i = 0; i < strokes.spines.spines.size(); ++i)
+    builder.build(i);
 }
 
 }  // namespace limn

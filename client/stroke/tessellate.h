@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/line_fade.h"
+#include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
 #include "client/stroke/spine_samples.h"
 #include "client/stroke/style.h"
@@ -8,6 +10,7 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace limn {
@@ -31,17 +34,28 @@ struct StrokeMesh {
   std::vector<std::uint32_t> indices;  // triangles, either orientation
 };
 
-/// Turns spines into strips of constant width in pixels. Neighbouring segments share their corner
-/// vertices (a mitre); where the line turns too sharply for that, the segments end square and a fan
-/// closes the outer side. Strips may overlap there, so they are to be drawn with "maximum"
-/// blending. Textures run by arc length; a closed line's repeat is fitted so that it closes without
-/// a seam. widthPx: of the ink. Cost: O(points).
-[[nodiscard]] StrokeMesh tessellate(
-    const SpineSet& spines,
-    const SpineArcs& arcs,
-    const SpineSamples& samples,
-    const PolylineSet& lines,
+/// Spines and what was worked out about them, all parallel.
+struct StrokeSpines {
+  const SpineSet& spines;
+  const SpineArcs& arcs;
+  std::span<const LineFade> fades;
+  const SpineSamples& samples;
+  const SpineParameters& parameters;
+};
+
+/// One repeat of the style's textures, in pixels of parameter, for an ink of widthPx: the longer of
+/// the two; the other divides it a whole number of times, so that both close together on a loop.
+[[nodiscard]] float texturePeriod(const StrokeStyle& style, float widthPx);
+
+/// Turns spines into strips. Points that a straight strip passes within a fraction of a pixel are
+/// left out. Neighbouring segments share their corner vertices (a mitre); where the line turns too
+/// sharply for that, the segments end square and a fan closes the outer side. Strips may overlap
+/// there, so they are to be drawn with "maximum" blending. widthPx: of the ink.
+/// `out` is filled anew; its memory is used again. Cost: O(points).
+void tessellate(
+    const StrokeSpines& strokes,
     const StrokeStyle& style,
-    float widthPx);
+    float widthPx,
+    StrokeMesh& out);
 
 }  // namespace limn

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/stroke/spine.h"
+#include "client/stroke/style.h"
+
+#include <vector>
+
+namespace limn {
+
+/// How much of a line is to be seen: 1 at full size, 0 where it is too small to be more than a
+/// speck.
+struct LineFade {
+  float visible = 1.0F;
+  float hidden = 1.0F;
+};
+
+/// Fades of every spine by its extent, a smooth ramp from the style's limit to twice as much. The
+/// limits are at most a share of the whole drawing's extent, so that a small picture of a model is
+/// not an empty one. Parallel to SpineSet::spines. Cost: O(spines).
+void fadeLines(const SpineSet& spines, const StrokeStyle& style, std::vector<LineFade>& fades);
+
+/// Leaves out spines of which nothing is to be seen, and their fades. Cost: O(points).
+void dropFaded(SpineSet& spines, std::vector<LineFade>& fades);
+
+}  // namespace limn

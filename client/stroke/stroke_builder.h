@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/stroke/line_fade.h"
+#include "client/stroke/line_scene.h"
+#include "client/stroke/parameters.h"
+#include "client/stroke/polyline.h"
+#include "client/stroke/spine.h"
+#include "client/stroke/spine_samples.h"
+#include "client/stroke/style.h"
+#include "client/stroke/tessellate.h"
+
+#include <vector>
+
+namespace limn {
+
+struct StrokeBuildOptions {
+  float widthPx = 2.5F;   // of the ink
+  float mergePx = 0.35F;  // spine points closer than this are one
+  SampleOptions samples;
+};
+
+/// What a frame's lines become for the GPU: strips, and the samples that say where they are hidden.
+struct BuiltStrokes {
+  const SpineSamples& samples;
+  const StrokeMesh& mesh;
+};
+
+/// Chained lines to strokes: projection, fading, smoothing, samples and strips, one after another.
+/// Keeps its memory from frame to frame, so that a frame allocates nothing once it is warm.
+/// Threads: one caller at a time.
+class StrokeBuilder {
+ public:
+  /// The result stays valid until the next call. Cost: O(points + length in pixels).
+  [[nodiscard]] BuiltStrokes build(
+      const PolylineSet& lines,
+      const LineScene& scene,
+      const StrokeStyle& style,
+      const StrokeBuildOptions& options);
+
+ private:
+  SpineProjector projector_;
+  SpineSet spines_;
+  std::vector<LineFade> fades_;
+  SpineArcs arcs_;
+  SpineSamples samples_;
+  SpineParameters parameters_;
+  StrokeMesh mesh_;
+};
+
+}  // namespace limn
