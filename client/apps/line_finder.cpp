@@ -53,6 +53,7 @@ LineFinder::LineFinder(
     std::shared_ptr<const MeshSnapshot> snapshot,
     const LineFinderOptions& options)
     : snapshot_(std::move(snapshot)),
+      light_(options.light),
       field_(snapshot_->mesh.mesh(), snapshot_->mesh.positions(), options.silhouette) {
   DetectorOptions detector;
   detector.seeds = snapshot_->seeds.get();
@@ -94,6 +95,10 @@ double LineFinder::recallFrom(const Camera& camera) {
 
 SilhouetteView LineFinder::viewOf(const Camera& camera) const {
   SilhouetteView view;
+  if (light_) {
+    view.eye = snapshot_->model.grid.fromModel(*light_);
+    return view;
+  }
   view.eye = snapshot_->model.grid.fromModel(camera.eye);
   view.forward = camera.forward();
   view.orthographic = camera.orthographic;

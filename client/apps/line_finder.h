@@ -19,6 +19,8 @@ struct LineFinderOptions {
   DetectorMethod detector = DetectorMethod::kCones;
   SilhouetteKind silhouette = SilhouetteKind::kSmooth;
   FeatureChoice features;
+  /// Model coordinates. Set: silhouettes are those that a light there sees, whatever the camera.
+  std::optional<glm::dvec3> light = std::nullopt;
 };
 
 /// All lines of one snapshot from one view after another. Threads: one at a time.
@@ -45,6 +47,7 @@ class LineFinder {
   [[nodiscard]] SilhouetteView viewOf(const Camera& camera) const;
 
   std::shared_ptr<const MeshSnapshot> snapshot_;
+  std::optional<glm::dvec3> light_;
   SilhouetteField field_;
   std::unique_ptr<SilhouetteDetector> detector_;
   SilhouetteChainer chainer_;

@@ -167,7 +167,7 @@ std::vector<std::uint8_t> visibilityOf(
 }
 
 LineFinderOptions lineOptions(const RenderCommandOptions& options) {
-  return {options.detector, options.silhouette, options.features};
+  return {options.detector, options.silhouette, options.features, options.light};
 }
 
 Result<ContourError> checkAgainstReference(

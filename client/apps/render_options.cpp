@@ -51,13 +51,12 @@ bool contains(std::initializer_list<std::string_view> list, std::string_view ite
 struct RawFlags {
   std::string camera, size, until, draw = "strokes", detector = "exact", silhouette = "smooth";
   std::string features = "crease,border,seam", hidden = "style", gl = "egl", path, brush = "none";
-  std::string assets, out;
+  std::string assets, out, light;
   std::optional<double> fov, width;
 };
 
 /// Flags of commands whose feature is not there yet: known, so that the answer is a clear one.
-constexpr std::array<const char*, 8> kLaterFlags = {
-    "--light",
+constexpr std::array<const char*, 7> kLaterFlags = {
     "--svg",
     "--hull-faces",
     "--contours",
@@ -80,16 +79,22 @@ Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& option
     options.detector = DetectorMethod::kCones;
   } else if (const auto method = detectorFromName(raw.detector)) {
     options.detector = *method;
-  } else if (contains({"random", "coherence-a", "coherence-b", "image"}, raw.detector)) {
-    return later("--detector " + raw.detector);
   } else {
     return wrong(
-        "--detector " + raw.detector + " is unknown: write exact, brute, cones or precomputed");
+        "--detector " + raw.detector +
+        " is unknown: write exact, brute, cones, random, coherence-a, coherence-b, image or "
+        "precomputed");
   }
+  if (options.detector == DetectorMethod::kImage) return later("--detector image");
   if (raw.silhouette == "edges") {
     options.silhouette = SilhouetteKind::kEdges;
   } else if (raw.silhouette != "smooth") {
     return wrong("--silhouette " + raw.silhouette + " is unknown: write smooth or edges");
+  }
+  if (!raw.light.empty()) {
+    const auto light = parseLight(raw.light);
+    if (!light) return tl::unexpected(light.error());
+    options.light = *light;
   }
   if (raw.brush != "none") {
     if (contains({"charcoal", "lazy", "hand", "rough"}, raw.brush))
@@ -212,8 +217,12 @@ void addRender(
   app.add_option("--error-px", o.errorPx, "Error bound of settled, pixels (1)");
 
   app.add_option("--draw", raw.draw, "strokes|shaded");
-  app.add_option("--detector", raw.detector, "exact|brute|cones|precomputed");
+  app.add_option(
+      "--detector",
+      raw.detector,
+      "exact|brute|cones|random|coherence-a|coherence-b|precomputed");
   app.add_option("--silhouette", raw.silhouette, "smooth|edges");
+  app.add_option("--light", raw.light, "X,Y,Z: silhouettes as a light there sees them");
   app.add_option("--features", raw.features, "crease,border,seam or none");
   app.add_option("--style", o.style, "Texture set (pencil)");
   app.add_option("--brush", raw.brush, "none");
@@ -326,6 +335,21 @@ Result<Viewport> parseSize(const std::string& text) {
     return wrong("--size " + text + " is no size: write WIDTHxHEIGHT in pixels, each 1 to 8192");
   }
   return Viewport{*width, *height};
+}
+
+Result<glm::dvec3> parseLight(const std::string& text) {
+  std::istringstream list(text);
+  std::string item;
+  std::vector<double> numbers;
+  while (std::getline(list, item, ',')) {
+    const auto number = parseNumber<double>(item);
+    if (!number || !std::isfinite(*number)) break;
+    numbers.push_back(*number);
+  }
+  if (numbers.size() != 3 || !list.eof() || text.back() == ',') {
+    return wrong("--light " + text + " is no place: write X,Y,Z in the model's coordinates");
+  }
+  return glm::dvec3(numbers[0], numbers[1], numbers[2]);
 }
 
 Result<FeatureChoice> parseFeatures(const std::string& text) {

@@ -53,6 +53,7 @@ struct RenderCommandOptions {
   std::string detectorName = "exact";  // as reported
   DetectorMethod detector = DetectorMethod::kCones;
   SilhouetteKind silhouette = SilhouetteKind::kSmooth;
+  std::optional<glm::dvec3> light;  // model coordinates; unset: silhouettes are the eye's
   FeatureChoice features;
   std::string style = "pencil";
   std::optional<double> widthPx;
@@ -84,6 +85,8 @@ struct CommandLine {
 [[nodiscard]] Result<StopCondition> parseUntil(const std::string& text);
 /// Parses `WIDTHxHEIGHT`, 1 to 8192 each.
 [[nodiscard]] Result<Viewport> parseSize(const std::string& text);
+/// Parses `X,Y,Z`.
+[[nodiscard]] Result<glm::dvec3> parseLight(const std::string& text);
 /// Parses `crease,border,seam` in any choice, or `none`.
 [[nodiscard]] Result<FeatureChoice> parseFeatures(const std::string& text);
 /// The path of frame `index`: `%04d` (or `%d`) replaced by it. Without one: `pattern` itself.

@@ -117,20 +117,31 @@ inline void collectFaces(std::size_t block, std::uint32_t cornersFront, std::vec
   }
 }
 
+// The second pass. partnersInFront: of 24 half-edges, those whose partner is front.
+template <class PartnersInFront>
+inline __attribute__((always_inline)) void search(
+    SilhouetteKind kind,
+    std::span<const std::uint32_t> partners,
+    const std::uint8_t* front,
+    SilhouetteResult& result,
+    PartnersInFront partnersInFront) {
+  const std::size_t blocks = partners.size() / kHalfEdgesPerBlock;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const std::uint32_t* p = partners.data() + b * kHalfEdgesPerBlock;
+    if (kind == SilhouetteKind::kSmooth) {
+      collectFaces(b, partnersInFront(p, front), result.faces);
+    } else if (front[b] != 0) {
+      collectEdges(b, kSpread[front[b]], partnersInFront(p, front), result.edges);
+    }
+  }
+}
+
 void searchPortable(
     SilhouetteKind kind,
     std::span<const std::uint32_t> partners,
     const std::uint8_t* front,
     SilhouetteResult& result) {
-  const std::size_t blocks = partners.size() / kHalfEdgesPerBlock;
-  for (std::size_t b = 0; b < blocks; ++b) {
-    const std::uint32_t* p = partners.data() + b * kHalfEdgesPerBlock;
-    if (kind == SilhouetteKind::kSmooth) {
-      collectFaces(b, partnersInFrontPortable(p, front), result.faces);
-    } else if (front[b] != 0) {
-      collectEdges(b, kSpread[front[b]], partnersInFrontPortable(p, front), result.edges);
-    }
-  }
+  search(kind, partners, front, result, partnersInFrontPortable);
 }
 
 #if LIMN_SILHOUETTE_AVX2
@@ -139,15 +150,7 @@ LIMN_TARGET_AVX2 void searchAvx2(
     std::span<const std::uint32_t> partners,
     const std::uint8_t* front,
     SilhouetteResult& result) {
-  const std::size_t blocks = partners.size() / kHalfEdgesPerBlock;
-  for (std::size_t b = 0; b < blocks; ++b) {
-    const std::uint32_t* p = partners.data() + b * kHalfEdgesPerBlock;
-    if (kind == SilhouetteKind::kSmooth) {
-      collectFaces(b, partnersInFrontAvx2(p, front), result.faces);
-    } else if (front[b] != 0) {
-      collectEdges(b, kSpread[front[b]], partnersInFrontAvx2(p, front), result.edges);
-    }
-  }
+  search(kind, partners, front, result, partnersInFrontAvx2);
 }
 #endif
 

@@ -3,8 +3,11 @@
 
 #include "shared/core/assert.h"
 #include "shared/silhouette/brute_force.h"
+#include "shared/silhouette/coherence.h"
 #include "shared/silhouette/cones.h"
+#include "shared/silhouette/image_seeds.h"
 #include "shared/silhouette/precomputed.h"
+#include "shared/silhouette/random_seeds.h"
 
 #include <algorithm>
 #include <array>
@@ -13,9 +16,23 @@
 namespace limn {
 namespace {
 
-constexpr std::array<std::pair<DetectorMethod, std::string_view>, 3> kNames = {{
+constexpr std::array<DetectorMethod, 7> kMethods = {
+    DetectorMethod::kBrute,
+    DetectorMethod::kCones,
+    DetectorMethod::kRandom,
+    DetectorMethod::kCoherenceA,
+    DetectorMethod::kCoherenceB,
+    DetectorMethod::kImage,
+    DetectorMethod::kPrecomputed,
+};
+
+constexpr std::array<std::pair<DetectorMethod, std::string_view>, kMethods.size()> kNames = {{
     {DetectorMethod::kBrute, "brute"},
     {DetectorMethod::kCones, "cones"},
+    {DetectorMethod::kRandom, "random"},
+    {DetectorMethod::kCoherenceA, "coherence-a"},
+    {DetectorMethod::kCoherenceB, "coherence-b"},
+    {DetectorMethod::kImage, "image"},
     {DetectorMethod::kPrecomputed, "precomputed"},
 }};
 
@@ -34,6 +51,10 @@ std::size_t countCommon(std::vector<std::uint32_t> given, std::vector<std::uint3
 }
 
 }  // namespace
+
+std::span<const DetectorMethod> allDetectors() {
+  return kMethods;
+}
 
 std::string_view detectorName(DetectorMethod method) {
   for (const auto& [value, name] : kNames) {
@@ -56,6 +77,14 @@ makeDetector(DetectorMethod method, const SilhouetteField& field, const Detector
       return std::make_unique<BruteForceDetector>(field, options);
     case DetectorMethod::kCones:
       return std::make_unique<ConesDetector>(field, options);
+    case DetectorMethod::kRandom:
+      return std::make_unique<RandomDetector>(field, options.random);
+    case DetectorMethod::kCoherenceA:
+      return std::make_unique<CoherenceADetector>(field, options);
+    case DetectorMethod::kCoherenceB:
+      return std::make_unique<CoherenceBDetector>(field, options);
+    case DetectorMethod::kImage:
+      return std::make_unique<ImageDetector>(field, options);
     case DetectorMethod::kPrecomputed:
       return std::make_unique<PrecomputedDetector>(field, options);
   }

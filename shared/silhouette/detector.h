@@ -9,16 +9,28 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
 namespace limn {
 
-/// How silhouettes are looked for. kBrute and kCones find all of them, and the same ones;
-/// kPrecomputed finds what its seeds lead to. The other methods of [Mohr13] take the same place.
-enum class DetectorMethod : std::uint8_t { kBrute, kCones, kPrecomputed };
+/// How silhouettes are looked for. kBrute and kCones find all of them, and the same ones; the
+/// others, those of [Mohr13], find what their seeds lead to.
+enum class DetectorMethod : std::uint8_t {
+  kBrute,
+  kCones,
+  kRandom,
+  kCoherenceA,
+  kCoherenceB,
+  kImage,
+  kPrecomputed,
+};
 
-/// The name commands and reports use ("brute", "cones", "precomputed"), and back.
+/// Every method.
+[[nodiscard]] std::span<const DetectorMethod> allDetectors();
+
+/// The name commands and reports use ("brute", "coherence-a"), and back.
 [[nodiscard]] std::string_view detectorName(DetectorMethod method);
 [[nodiscard]] std::optional<DetectorMethod> detectorFromName(std::string_view name);
 
@@ -27,7 +39,7 @@ struct DetectionStats {
   std::uint32_t facesVisited = 0;  // faces whose plane, or one of whose corners' planes, was tested
   std::uint32_t sitesTested = 0;   // plane evaluations (faces or vertices, see SilhouetteField)
   std::uint32_t clustersTested = 0;  // cone tests (kCones)
-  std::uint32_t seedsTried = 0;      // kPrecomputed
+  std::uint32_t seedsTried = 0;      // by seeded methods
   std::uint32_t segments = 0;        // silhouette edges, or faces crossed by the smooth silhouette
 };
 
@@ -62,6 +74,25 @@ class SilhouetteDetector {
 /// The slot at which a mesh holds a vertex id, kNone when it does not (ActiveMesh::slotOf).
 using SlotLookup = std::function<Slot(VertexId)>;
 
+/// The faces under the edges of a picture seen from there; valid until the next call.
+using SeedFaces = std::function<std::span<const FaceId>(const SilhouetteView&)>;
+
+struct RandomSeedOptions {
+  double fraction = 0.1;        // of the faces, drawn in every frame
+  bool sortByDihedral = false;  // draw faces with sharp edges more often
+  int searchSteps = 0;  // faces to walk from a seed, towards edge-on, before giving it up; 0: none
+  std::uint64_t seed = 1;  // of the generator
+};
+
+struct CoherenceOptions {
+  int rings = 1;              // A: how far around a face that lost its silhouette to look
+  bool followMotion = false;  // A: look only where the camera's motion has taken the silhouette
+  int reseedEvery = 30;       // frames; 0: only once
+  double reseedBelow = 0.0;   // and when segments drop below this share of the last reseeding's
+  DetectorMethod reseedWith = DetectorMethod::kBrute;  // or kRandom
+  int longestHistory = 8;  // B: frames that a face stays a seed after its silhouette left, at most
+};
+
 struct DetectorOptions {
   /// kPrecomputed: seeds, and where the mesh holds their vertices (empty: slot = id). `seeds` must
   /// outlive the detector; `slotOf` is only called while it is being made.
@@ -69,6 +100,12 @@ struct DetectorOptions {
   SlotLookup slotOf = {};
   int seedViewpoints = 3;    // kPrecomputed: how many of the nearest viewpoints give seeds
   int seedSearchSteps = 24;  // kPrecomputed: vertices to walk from a seed before giving it up
+
+  RandomSeedOptions random;    // kRandom, and kCoherence… when reseeding with it
+  CoherenceOptions coherence;  // kCoherenceA, kCoherenceB
+
+  SeedFaces imageFaces = {};  // kImage
+  int imageRings = 1;         // kImage: how far around a face under an image edge to look
 
   /// Whether to use the machine's vector instructions. The results are the same either way.
   bool vectorized = true;
@@ -78,7 +115,8 @@ struct DetectorOptions {
   double coneTangentScale = 1.0;
 };
 
-/// Makes a detector. `field` must outlive it. kPrecomputed without seeds finds nothing.
+/// Makes a detector. `field` must outlive it. kPrecomputed and kImage without
+/// seeds find nothing.
 /// Cost: kBrute O(faces); kCones O(faces · log faces), some tens of ms for 70k faces.
 [[nodiscard]] std::unique_ptr<SilhouetteDetector> makeDetector(
     DetectorMethod method,

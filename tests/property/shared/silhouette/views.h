@@ -35,4 +35,22 @@ randomViews(const TriangleMesh& mesh, int count, std::uint64_t seed) {
   return views;
 }
 
+/// `count` views on a circle around the model, `stepDegrees` apart.
+inline std::vector<SilhouetteView>
+orbitViews(const TriangleMesh& mesh, int count, double stepDegrees, double distanceRadii = 3.0) {
+  const BoundingSphere sphere = boundingSphere(mesh.grid, mesh.positions);
+  const glm::dvec3 center = mesh.grid.fromModel(sphere.center);
+  const double radius = sphere.radius / mesh.grid.step;
+  std::vector<SilhouetteView> views;
+  for (int i = 0; i < count; ++i) {
+    const double angle = i * stepDegrees * std::numbers::pi / 180.0;
+    const glm::dvec3 direction = glm::normalize(glm::dvec3(std::sin(angle), 0.3, std::cos(angle)));
+    SilhouetteView view;
+    view.eye = center + radius * distanceRadii * direction;
+    view.forward = -direction;
+    views.push_back(view);
+  }
+  return views;
+}
+
 }  // namespace limn::testing

@@ -65,6 +65,31 @@ TEST(RenderOptions, ExactIsDoneByCones) {
   EXPECT_EQ(line->render->detectorName, "exact");
 }
 
+TEST(RenderOptions, EveryDetectorHasItsName) {
+  for (const auto& [name, method] :
+       {std::pair{"random", DetectorMethod::kRandom},
+        std::pair{"coherence-a", DetectorMethod::kCoherenceA},
+        std::pair{"coherence-b", DetectorMethod::kCoherenceB}}) {
+    const auto line = parse(std::string("render --asset a --out x.png --detector ") + name);
+    ASSERT_TRUE(line) << name;
+    EXPECT_EQ(line->render->detector, method);
+    EXPECT_EQ(line->render->detectorName, name);
+  }
+}
+
+TEST(RenderOptions, ALightIsThreeNumbers) {
+  const auto line = parse("render --asset a --out x.png --light 1,-2.5,3e2");
+  ASSERT_TRUE(line);
+  EXPECT_EQ(line->render->light, glm::dvec3(1.0, -2.5, 300.0));
+  EXPECT_EQ(parse("render --asset a --out x.png")->render->light, std::nullopt);
+  for (const char* light :
+       {"1", "1,2", "1,2,3,4", "1,2,3,", "1,,3", "x,y,z", "1,2,nan", "1,2,inf"}) {
+    const auto parsed = parse(std::string("render --asset a --out x.png --light ") + light);
+    ASSERT_FALSE(parsed) << light;
+    EXPECT_EQ(parsed.error().code, ErrorCode::kInvalidArgument) << light;
+  }
+}
+
 TEST(RenderOptions, HelpHasExamplesAndVersionANumber) {
   for (const char* line : {"--help", "render --help"}) {
     const auto help = parse(line);
@@ -129,9 +154,8 @@ TEST(RenderOptions, WhatComesLaterIsSaidSo) {
         "sweep --asset a --frames 400",
         "render --asset a --out x.png --draw clip",
         "render --asset a --out x.png --draw image-precision:charcoal",
-        "render --asset a --out x.png --detector coherence-a",
+        "render --asset a --out x.png --detector image",
         "render --asset a --svg x.svg",
-        "render --asset a --out x.png --light 1,2,3",
         "render --asset a --out x.png --brush charcoal",
         "render --asset a --out x.png --hull-faces 500"}) {
     const auto parsed = parse(line);
