@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # The Debian 12 packages that Limn needs, in one place. Installs those that are missing, and says nothing if none is.
-#   deploy/packages.sh [build] [run] [test] [demo]   (default: build run)
+#   deploy/packages.sh [build] [run] [test] [demo] [debs]   (default: build run)
 #   deploy/packages.sh --list build run              prints the names, installs nothing
 set -eu
 
 # Compiler and the libraries that programs are built from.
 build="ca-certificates ccache cmake g++ make ninja-build pkg-config
   flatbuffers-compiler libflatbuffers-dev libdraco-dev libglm-dev libexpected-dev libssl-dev
-  libwebsockets-dev libev-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libtomlplusplus-dev libstb-dev
+  libwebsockets-dev libev-dev libsystemd-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libtomlplusplus-dev libstb-dev
   libegl-dev libgles-dev libosmesa6-dev
   libopenmesh-dev libcgal-dev libtinygltf-dev libopencv-core-dev libopencv-imgproc-dev"
 
@@ -21,6 +21,9 @@ test="libgtest-dev libbenchmark-dev draco python3 git
 
 # What deploy/demo.sh itself calls.
 demo="python3 tar"
+
+# What deploy/debs.sh packs and checks with.
+debs="dpkg-dev fakeroot file git gzip help2man lintian"
 
 die() { printf 'packages.sh: %s\n' "$*" >&2; exit 1; }
 
@@ -37,7 +40,8 @@ for purpose in "$@"; do
     run) wanted="$wanted $run" ;;
     test) wanted="$wanted $test" ;;
     demo) wanted="$wanted $demo" ;;
-    *) echo "packages.sh: unknown purpose '$purpose'; use build, run, test or demo" >&2; exit 2 ;;
+    debs) wanted="$wanted $debs" ;;
+    *) echo "packages.sh: unknown purpose '$purpose'; use build, run, test, demo or debs" >&2; exit 2 ;;
   esac
 done
 # Word splitting is the point: the lists are words.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/apps/background_preparation.h"
+#include "server/apps/service_manager.h"
 #include "server/session/model_library.h"
 #include "server/session/session.h"
 #include "server/session/view_cells.h"
@@ -152,7 +153,11 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
   handlers.catalogue = [&library]() -> const std::vector<CatalogueItem>& {
     return library.catalogue();
   };
-  handlers.tick = [&](std::int64_t nowMs) { preparation.tick(nowMs); };
+  ServiceManager manager;
+  handlers.tick = [&](std::int64_t nowMs) {
+    preparation.tick(nowMs);
+    manager.tick(nowMs);
+  };
   handlers.woken = [&] { workers.runDone(); };
   handlers.status = [&] {
     ServerStatus status;
@@ -202,6 +207,7 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
     std::cout << "limn-server: metrics on http://" << options.metricsListen->host << ':'
               << transport->metricsPort() << "/metrics" << std::endl;
   }
+  manager.ready("listening on port " + std::to_string(transport->port()));
   transport->run();
   preparation.stop();
   log("drained");
