@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # The Debian 12 packages that Limn needs, in one place. Installs those that are missing, and says nothing if none is.
-#   deploy/packages.sh [build] [run] [test] [demo] [debs]   (default: build run)
+#   deploy/packages.sh [build] [run] [test] [bench] [demo] [debs]   (default: build run)
 #   deploy/packages.sh --list build run              prints the names, installs nothing
 set -eu
 
@@ -18,6 +18,9 @@ run="libegl-mesa0 libgl1-mesa-dri libosmesa6 libwebsockets-evlib-ev"
 # Tests, benches, sanitizers and style checks.
 test="libgtest-dev libbenchmark-dev draco python3 git
   clang libclang-rt-14-dev llvm-14 clang-format clang-tidy"
+
+# What benches compare with, where it is there.
+bench="libembree-dev"
 
 # What deploy/demo.sh itself calls.
 demo="python3 tar"
@@ -39,9 +42,10 @@ for purpose in "$@"; do
     build) wanted="$wanted $build" ;;
     run) wanted="$wanted $run" ;;
     test) wanted="$wanted $test" ;;
+    bench) wanted="$wanted $bench" ;;
     demo) wanted="$wanted $demo" ;;
     debs) wanted="$wanted $debs" ;;
-    *) echo "packages.sh: unknown purpose '$purpose'; use build, run, test, demo or debs" >&2; exit 2 ;;
+    *) echo "packages.sh: unknown purpose '$purpose'; use build, run, test, bench, demo or debs" >&2; exit 2 ;;
   esac
 done
 # Word splitting is the point: the lists are words.

@@ -23,9 +23,10 @@ forbid "shared protocol" 'libwebsockets|opencv2/|OpenMesh/|CGAL/'  'shared and p
 forbid "shared protocol" 'spdlog/|CLI/'  'no logging and no command lines below server and client'
 forbid "shared protocol" '(iostream|fstream|filesystem|thread|mutex|chrono)>'  'no IO, threads or clocks below server and client'  'shared/core/mutex.h'
 # Inside shared: gl, codec -> progressive, silhouette -> view -> mesh -> core.
-forbid "shared/core"     'shared/(mesh|progressive|view|silhouette|codec|gl)/'  'core includes only core'
-forbid "shared/mesh"     'shared/(progressive|view|silhouette|codec|gl)/'  'mesh sits on core alone'
+forbid "shared/core"     'shared/(mesh|ray|progressive|view|silhouette|codec|gl)/'  'core includes only core'
+forbid "shared/mesh"     'shared/(ray|progressive|view|silhouette|codec|gl)/'  'mesh sits on core alone'
 forbid "shared/view"     'shared/(progressive|silhouette|codec|gl)/'  'view sits on mesh and core'
+forbid "shared/ray"      'shared/(view|progressive|silhouette|codec|gl)/'  'ray sits on mesh and core'
 forbid "shared/progressive shared/silhouette" 'shared/(codec|gl)/'  'codec and gl sit above the algorithms'
 forbid "shared/codec"    'shared/gl/'  'codecs do not draw'
 forbid "shared/gl"       'shared/(progressive|silhouette|codec)/'  'gl wraps GL, it knows no algorithm'

@@ -5,6 +5,8 @@
 // silhouette it is where the front side lies farther away than the back side.
 #include "client/stroke/segment_facts.h"
 
+#include "shared/mesh/edge_shape.h"
+
 #include <glm/gtc/matrix_access.hpp>
 
 #include <algorithm>
@@ -17,18 +19,6 @@ namespace {
 /// How far from its spine a line's visibility looks, in pixels: the 8-neighbourhood of a depth
 /// image as fine as the picture.
 constexpr float kReachPx = 1.5F;
-
-/// Whether the two faces at h bend inwards, exactly: grid coordinates have at most 18 bits, so the
-/// triple product fits 64.
-bool isConcave(const HalfEdgeMesh& mesh, std::span<const glm::ivec3> positions, HalfEdgeId h) {
-  using Wide = glm::i64vec3;
-  const Wide a(positions[mesh.origin(h)]);
-  const Wide ab = Wide(positions[mesh.target(h)]) - a;
-  const Wide ac = Wide(positions[mesh.origin(HalfEdgeMesh::prev(h))]) - a;
-  const Wide ad = Wide(positions[mesh.origin(HalfEdgeMesh::prev(mesh.twin(h)))]) - a;
-  const Wide n(ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x);
-  return n.x * ad.x + n.y * ad.y + n.z * ad.z > 0;
-}
 
 }  // namespace
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Based on: Y.-D. Liang, B. A. Barsky, "A New Concept and Method for Line Clipping", ACM TOG 3(1),
-// 1984, for cutting a segment by planes in homogeneous coordinates.
 #include "client/stroke/spine.h"
 
+#include "client/stroke/clip_segment.h"
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 
@@ -17,40 +16,9 @@ constexpr float kSamePx = 0.05F;
 /// How far smoothing looks, in standard deviations: where (1 − t²)² has the deviation asked for.
 constexpr float kBellReach = 2.65F;
 
-struct Span {
-  double begin = 0.0;
-  double end = 1.0;
-
-  [[nodiscard]] bool empty() const { return begin >= end; }
-};
-
-/// Signed distances to: near plane; left, right, bottom, top of the picture with its margin.
-std::array<double, 5> planeDistances(const glm::dvec4& p) {
-  constexpr double wide = 1.0 + 2.0 * kSpineMargin;
-  return {p.z + p.w, wide * p.w + p.x, wide * p.w - p.x, wide * p.w + p.y, wide * p.w - p.y};
-}
-
 bool isInside(const glm::dvec4& p) {
   constexpr double wide = 1.0 + 2.0 * kSpineMargin;
   return p.z + p.w >= 0.0 && std::abs(p.x) <= wide * p.w && std::abs(p.y) <= wide * p.w;
-}
-
-/// The part of a → b inside the near plane and the picture with its margin, in clip space.
-Span clipSegment(const glm::dvec4& a, const glm::dvec4& b) {
-  const auto from = planeDistances(a);
-  const auto to = planeDistances(b);
-  Span span;
-  for (std::size_t plane = 0; plane < from.size(); ++plane) {
-    if (from[plane] < 0.0 && to[plane] < 0.0) return {1.0, 0.0};
-    if (from[plane] >= 0.0 && to[plane] >= 0.0) continue;
-    const double t = from[plane] / (from[plane] - to[plane]);
-    if (from[plane] < 0.0) {
-      span.begin = std::max(span.begin, t);
-    } else {
-      span.end = std::min(span.end, t);
-    }
-  }
-  return span;
 }
 
 /// Builds the spines of one line at a time.
@@ -150,7 +118,7 @@ void cutLine(
   std::uint32_t first = 0;
   bool isCut = false;
   for (std::uint32_t i = 0; line.closed && !isCut && i < segments; ++i) {
-    const Span span = spanOf(i);
+    const ClipSpan span = spanOf(i);
     if (span.begin > 0.0 || span.empty()) {
       first = i;
       isCut = true;
@@ -161,7 +129,7 @@ void cutLine(
   }
   for (std::uint32_t k = 0; k < segments; ++k) {
     const std::uint32_t i = (first + k) % segments;
-    const Span span = spanOf(i);
+    const ClipSpan span = spanOf(i);
     const std::uint32_t source = line.begin + i;
     if (span.empty()) {
       builder.finish(false, false);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/clip_segment.h"
 #include "client/stroke/line_scene.h"
 #include "client/stroke/polyline.h"
 
@@ -37,9 +38,6 @@ struct SpineSet {
   std::vector<std::uint32_t> source;  // the point of the PolylineSet whose segment starts here
   std::vector<Spine> spines;
 };
-
-/// How far outside the picture spines are kept, as a fraction of its size on each side.
-inline constexpr double kSpineMargin = 0.1;
 
 /// Projects and cuts lines. Keeps its working memory from frame to frame.
 /// Threads: one caller at a time.

@@ -4,6 +4,7 @@ their source. Times are wall clock of a release build; run on a quiet machine.""
 
 import argparse
 import json
+import os
 import pathlib
 import shutil
 import struct
@@ -14,8 +15,8 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "integration"))
 import harness  # noqa: E402
 
-GROUPS = ("stream", "simplify", "silhouette", "server")
-LATER = {"hull", "visibility", "clip"}  # named in the contract, measured once what they measure exists
+GROUPS = ("stream", "simplify", "silhouette", "visibility", "server")
+LATER = {"hull", "clip"}  # named in the contract, measured once what they measure exists
 EXTENSIONS = {".ply", ".obj", ".stl", ".off", ".glb", ".gltf"}
 
 
@@ -138,6 +139,21 @@ class Bench:
                 times = report["frame_ms"]
                 target = 1 if name == "bunny-closed" and detector == "cones" else None
                 self.table.add("detect+chain, " + detector, name, times["detect"] + times["chain"], None, target, "ms")
+
+    def visibility(self):
+        """Which silhouette edges are visible, resolved on the CPU: six views at 1024 x 1024, against rays of Embree's where
+        the bench was built with it."""
+        limits = {"bunny-closed": 20, "dragon": 500}  # ms a view
+        names = [n for n in ("bunny-closed", "turbine-blade", "dragon", "gears", "fandisk") if n in self.files]
+        for name in names or list(self.files)[-1:]:
+            os.environ["LIMN_MODELS"] = str(self.files[name].parent)
+            row = json.loads(harness.run("limn-visibility-bench", self.files[name].name))
+            if "edges" in row:
+                wrong = row["false_visible_percent"] + row["false_hidden_percent"]
+                self.table.add("visibility, CPU, wrong", name, wrong, None, 0.5, "%")
+            self.table.add("visibility, CPU, edges", name, row["edges_ms"], row.get("embree_ms"), None, "ms")
+            self.table.add("visibility, CPU, smooth", name, row["smooth_ms"], None, limits.get(name), "ms")
+            self.table.add("visibility, tree of rays", name, row["build_ms"], None, None, "ms")
 
     def server(self):
         name = "dragon" if "dragon" in self.files else list(self.files)[-1]

@@ -1,20 +1,20 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Builds a release and measures it; prints one table: row, mesh, ours, reference, ratio, target, met or not.
-#   tests/bench/run.sh [stream] [simplify] [silhouette] [server] [--models DIR] [--quick] [--json F]
+#   tests/bench/run.sh [stream] [simplify] [silhouette] [visibility] [server] [--models DIR] [--quick] [--json F]
 # Without a group: all of them. Without --models: ../shared/models when there, else generated meshes. Any good mesh can be
 # put in DIR. --quick takes the three smallest real meshes (or the generated ones) and shortens the load run.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 cd "$here/../.."
 case " $* " in *" -h "* | *" --help "*) sed -n '3,6s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
-deploy/packages.sh build run test
+deploy/packages.sh build run test bench
 mkdir -p build/release
 cmake --preset release -DLIMN_BUILD_TESTS=ON -DLIMN_BUILD_BENCH=ON >build/release/configure.log 2>&1 || {
   cat build/release/configure.log >&2
   exit 1
 }
-cmake --build --preset release --target limn-prepare limn-server limn-client limn-load >build/release/bench-build.log 2>&1 || {
+cmake --build --preset release --target limn-prepare limn-server limn-client limn-load limn-visibility-bench >build/release/bench-build.log 2>&1 || {
   tail -n 40 build/release/bench-build.log >&2
   echo "run.sh: the build failed (above)" >&2
   exit 1

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/stroke/line_crossings.h"
+
+#include "client/stroke/clip_segment.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limn {
+namespace {
+
+/// Crossings nearer than this to an end of a segment (as a share of it) are the end itself: lines
+/// meet edges at the vertices that they share.
+constexpr double kEnd = 1e-6;
+
+/// How much nearer (window depth) an edge must be to lie before a line, and not on it.
+constexpr double kBefore = 1e-11;
+
+double cross2(const glm::dvec2& a, const glm::dvec2& b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+}  // namespace
+
+LineCrossings::LineCrossings(const Viewport& viewport) : viewport_(viewport) {
+  const glm::dvec2 size(viewport.width, viewport.height);
+  low_ = -kSpineMargin * size;
+  const glm::dvec2 extent = (1.0 + 2.0 * kSpineMargin) * size;
+  // Some 30 thousand cells whatever the picture's size.
+  cellPx_ = std::max(1.0, std::sqrt(extent.x * extent.y / 30'000.0));
+  columns_ = std::max(1, static_cast<int>(std::ceil(extent.x / cellPx_)));
+  rows_ = std::max(1, static_cast<int>(std::ceil(extent.y / cellPx_)));
+}
+
+void LineCrossings::addEdge(const glm::dvec4& a, const glm::dvec4& b) {
+  const ClipSpan span = clipSegment(a, b);
+  if (span.empty()) return;
+  const glm::dvec4 d = b - a;
+  edges_.push_back(
+      {pixelFromClip(span.begin > 0.0 ? a + span.begin * d : a, viewport_),
+       pixelFromClip(span.end < 1.0 ? a + span.end * d : b, viewport_)});
+}
+
+template <class Visit>
+void LineCrossings::forCells(const glm::dvec2& a, const glm::dvec2& b, Visit visit) const {
+  const glm::dvec2 from = (a - low_) / cellPx_;
+  const glm::dvec2 to = (b - low_) / cellPx_;
+  const auto row = [&](double y) { return std::clamp(static_cast<int>(y), 0, rows_ - 1); };
+  const auto column = [&](double x) { return std::clamp(static_cast<int>(x), 0, columns_ - 1); };
+  const int firstRow = row(std::min(from.y, to.y));
+  const int lastRow = row(std::max(from.y, to.y));
+  const auto visitRow = [&](int y, double x0, double x1) {
+    // A little more on both sides makes up for rounding.
+    const int first = column(std::min(x0, x1) - 1e-6);
+    const int last = column(std::max(x0, x1) + 1e-6);
+    for (int x = first; x <= last; ++x)
+      visit(static_cast<std::uint32_t>(y * columns_ + x));
+  };
+  if (firstRow == lastRow) {
+    visitRow(firstRow, from.x, to.x);
+    return;
+  }
+  const double slope = (to.x - from.x) / (to.y - from.y);
+  const double low = std::min(from.y, to.y);
+  const double high = std::max(from.y, to.y);
+  for (int y = firstRow; y <= lastRow; ++y) {
+    const double y0 = std::clamp(static_cast<double>(y), low, high);
+    const double y1 = std::clamp(static_cast<double>(y + 1), low, high);
+    visitRow(y, from.x + (y0 - from.y) * slope, from.x + (y1 - from.y) * slope);
+  }
+}
+
+void LineCrossings::build() {
+  cellBegin_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
+  for (const Edge& edge : edges_)
+    forCells(glm::dvec2(edge.a), glm::dvec2(edge.b), [&](std::uint32_t c) { ++cellBegin_[c + 1]; });
+  for (std::size_t c = 1; c < cellBegin_.size(); ++c)
+    cellBegin_[c] += cellBegin_[c - 1];
+  cellEdges_.resize(cellBegin_.back());
+  std::vector<std::uint32_t> place(cellBegin_.begin(), cellBegin_.end() - 1);
+  for (std::uint32_t i = 0; i < edges_.size(); ++i) {
+    forCells(glm::dvec2(edges_[i].a), glm::dvec2(edges_[i].b), [&](std::uint32_t c) {
+      cellEdges_[place[c]++] = i;
+    });
+  }
+}
+
+void LineCrossings::cross(const glm::dvec4& a, const glm::dvec4& b, std::vector<double>& cuts)
+    const {
+  const ClipSpan span = clipSegment(a, b);
+  if (span.empty() || cellBegin_.empty()) return;
+  const glm::dvec4 d = b - a;
+  const glm::dvec4 from = a + span.begin * d;
+  const glm::dvec4 to = a + span.end * d;
+  const glm::dvec3 p = pixelFromClip(from, viewport_);
+  const glm::dvec3 q = pixelFromClip(to, viewport_);
+  const glm::dvec2 along(q - p);
+  const std::size_t before = cuts.size();
+  forCells(glm::dvec2(p), glm::dvec2(q), [&](std::uint32_t cell) {
+    for (std::uint32_t k = cellBegin_[cell]; k < cellBegin_[cell + 1]; ++k) {
+      const Edge& edge = edges_[cellEdges_[k]];
+      const glm::dvec2 across(edge.b - edge.a);
+      const glm::dvec2 gap(edge.a - p);
+      const double det = cross2(along, across);
+      if (det == 0.0) continue;
+      const double s = cross2(gap, across) / det;
+      if (!(s > kEnd && s < 1.0 - kEnd)) continue;
+      const double u = cross2(gap, along) / det;
+      if (!(u >= 0.0 && u <= 1.0)) continue;
+      const double depth = p.z + s * (q.z - p.z);
+      if (!(edge.a.z + u * (edge.b.z - edge.a.z) < depth - kBefore)) continue;
+      // From a share in the picture to one in space.
+      const double inSpace = s * from.w / (s * from.w + (1.0 - s) * to.w);
+      cuts.push_back(span.begin + inSpace * (span.end - span.begin));
+    }
+  });
+  // A pair that shares several cells was found in each, always with the same result.
+  std::sort(cuts.begin() + static_cast<std::ptrdiff_t>(before), cuts.end());
+  cuts.erase(
+      std::unique(cuts.begin() + static_cast<std::ptrdiff_t>(before), cuts.end()),
+      cuts.end());
+}
+
+}  // namespace limn

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+// Based on: A. Appel, "The Notion of Quantitative Invisibility and the Machine Rendering of
+// Solids", ACM 1967, and L. Markosian et al., "Real-Time Nonphotorealistic Rendering", SIGGRAPH
+// 1997: visibility changes only where a line passes behind a contour and at singular vertices.
+// J. J. Koenderink, "What does the occluding contour tell us about solid shape?", Perception 13,
+// 1984, for contours hidden by their own surface. A. Hertzmann, D. Zorin, "Illustrating Smooth
+// Surfaces", SIGGRAPH 2000, section 4, for smooth silhouettes.
+// Deviations: invisibility is not counted along a chain, where one wrong step spoils the rest: each
+// piece asks for itself whether anything is in the way, which a ray tells in a microsecond.
+#include "client/stroke/resolved_visibility.h"
+
+#include "client/stroke/line_crossings.h"
+
+#include "shared/mesh/edge_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limn {
+namespace {
+
+/// Faces met within this distance (grid units) are those that the line lies on.
+constexpr double kSkip = 1e-4;
+
+/// Resolves the lines of one view.
+class ViewResolver {
+ public:
+  ViewResolver(
+      const PolylineSet& lines,
+      const LineScene& scene,
+      const TriangleBvh& bvh,
+      bool isClosed)
+      : lines_(lines),
+        mesh_(scene.mesh),
+        positions_(scene.positions),
+        bvh_(bvh),
+        isClosed_(isClosed),
+        orthographic_(scene.camera.orthographic),
+        eye_(scene.grid.fromModel(scene.camera.eye)),
+        forward_(scene.camera.forward()),
+        crossings_(scene.viewport) {
+    const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
+    clipFromGrid_ = clipFromWorld * scene.grid.step;
+    clipFromGrid_[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
+  }
+
+  ResolvedLines resolve() {
+    findFronts();
+    addOccluders();
+    ResolvedLines out;
+    out.begin.reserve(lines_.points.size() + 1);
+    out.pieces.reserve(lines_.points.size());
+    for (const PolylineSet::Line& line : lines_.lines) {
+      for (std::uint32_t point = line.begin; point < line.end; ++point) {
+        out.begin.push_back(static_cast<std::uint32_t>(out.pieces.size()));
+        if (point - line.begin >= line.segmentCount()) continue;
+        const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
+        resolveSegment(line.kind, point, next, out);
+      }
+    }
+    out.begin.push_back(static_cast<std::uint32_t>(out.pieces.size()));
+    return out;
+  }
+
+ private:
+  [[nodiscard]] glm::dvec3 corner(HalfEdgeId h) const {
+    return glm::dvec3(positions_[mesh_.origin(h)]);
+  }
+
+  [[nodiscard]] glm::dvec3 normal(FaceId face) const {  // twice the area long; exact
+    const glm::dvec3 a = corner(3 * face);
+    return glm::cross(corner(3 * face + 1) - a, corner(3 * face + 2) - a);
+  }
+
+  [[nodiscard]] glm::dvec3 towardEye(const glm::dvec3& p) const {
+    return orthographic_ ? -forward_ : eye_ - p;
+  }
+
+  [[nodiscard]] glm::dvec4 clip(const glm::dvec3& p) const {
+    return clipFromGrid_ * glm::dvec4(p, 1.0);
+  }
+
+  void findFronts() {
+    isFront_.resize(mesh_.faceCount());
+    for (FaceId f = 0; f < isFront_.size(); ++f)
+      isFront_[f] = glm::dot(normal(f), towardEye(corner(3 * f))) > 0.0 ? 1 : 0;
+  }
+
+  // Where the mesh's outline lies: borders and contours. On a closed mesh concave contours lie
+  // behind something, and nothing becomes visible or hidden by passing behind them.
+  void addOccluders() {
+    for (HalfEdgeId h = 0; h < mesh_.origins.size(); ++h) {
+      const HalfEdgeId twin = mesh_.twin(h);
+      if (twin != kNone) {
+        if (isFront_[HalfEdgeMesh::face(h)] == 0 || isFront_[HalfEdgeMesh::face(twin)] != 0)
+          continue;
+        if (isClosed_ && isConcave(mesh_, positions_, h)) continue;
+      }
+      crossings_.addEdge(clip(corner(h)), clip(corner(HalfEdgeMesh::next(h))));
+    }
+    crossings_.build();
+  }
+
+  void resolveSegment(LineKind kind, std::uint32_t point, std::uint32_t next, ResolvedLines& out) {
+    const glm::dvec3 a(lines_.points[point]);
+    const glm::dvec3 b(lines_.points[next]);
+    const bool isSmooth = lines_.halfEdges[point] == kNone;
+    if (isSmooth ? isHiddenSmooth(point, a, b) : isHiddenEdge(kind, lines_.halfEdges[point])) {
+      out.pieces.push_back({1.0F, false});
+      return;
+    }
+    if (isSmooth) {
+      gatherAround(lines_.faces[point]);
+    } else {
+      const HalfEdgeId h = lines_.halfEdges[point];
+      const HalfEdgeId twin = mesh_.twin(h);
+      own_.assign(1, HalfEdgeMesh::face(h));
+      if (twin != kNone) own_.push_back(HalfEdgeMesh::face(twin));
+    }
+    cuts_.clear();
+    crossings_.cross(clip(a), clip(b), cuts_);
+    cuts_.push_back(1.0);
+    double from = 0.0;
+    for (const double to : cuts_) {
+      const glm::dvec3 middle = glm::mix(a, b, 0.5 * (from + to));
+      const bool visible =
+          !isBlocked(isSmooth ? outside(lines_.faces[point], middle) : middle, out);
+      const bool isFirst = out.pieces.size() == out.begin.back();
+      if (!isFirst && out.pieces.back().visible == visible) {
+        out.pieces.back().end = static_cast<float>(to);
+      } else {
+        out.pieces.push_back({static_cast<float>(to), visible});
+      }
+      from = to;
+    }
+  }
+
+  [[nodiscard]] bool isBlocked(const glm::dvec3& p, ResolvedLines& out) const {
+    ++out.rays;
+    Ray ray;
+    ray.origin = p;
+    ray.direction = towardEye(p);
+    ray.begin = kSkip / glm::length(ray.direction);
+    if (!orthographic_) ray.end = 1.0;
+    return bvh_.isBlocked(ray, own_);
+  }
+
+  // Hidden by its own two faces, whatever else there is.
+  [[nodiscard]] bool isHiddenEdge(LineKind kind, HalfEdgeId h) const {
+    const HalfEdgeId twin = mesh_.twin(h);
+    if (twin == kNone) return false;
+    const bool here = isFront_[HalfEdgeMesh::face(h)] != 0;
+    const bool there = isFront_[HalfEdgeMesh::face(twin)] != 0;
+    if (here != there || kind == LineKind::kSilhouette) return isConcave(mesh_, positions_, h);
+    // A closed surface that turns away on both sides lies behind its own front.
+    return isClosed_ && !here;
+  }
+
+  // Lines run with the front side to their left: n × along points there. Where the front lies
+  // farther away than the line, the surface bends towards the eye and covers it.
+  [[nodiscard]] bool isHiddenSmooth(std::uint32_t point, const glm::dvec3& a, const glm::dvec3& b)
+      const {
+    const glm::dvec3 left = glm::cross(normal(lines_.faces[point]), b - a);
+    return glm::dot(left, towardEye(0.5 * (a + b))) < 0.0;
+  }
+
+  // Every face that shares a corner with `face`.
+  void gatherAround(FaceId face) {
+    own_.clear();
+    for (HalfEdgeId first = 3 * face; first < 3 * face + 3; ++first) {
+      HalfEdgeId h = first;
+      do {
+        own_.push_back(HalfEdgeMesh::face(h));
+        h = mesh_.rotateCcw(h);
+      } while (h != kNone && h != first);
+      if (h != kNone) continue;
+      for (h = mesh_.rotateCw(first); h != kNone; h = mesh_.rotateCw(h))
+        own_.push_back(HalfEdgeMesh::face(h));
+    }
+  }
+
+  // A point on a smooth silhouette moved to where the mesh's own outline is: across the view, as
+  // far as the corners of its face stand out.
+  [[nodiscard]] glm::dvec3 outside(FaceId face, const glm::dvec3& p) const {
+    const glm::dvec3 view = glm::normalize(towardEye(p));
+    glm::dvec3 out = normal(face);
+    out -= glm::dot(out, view) * view;
+    const double length = glm::length(out);
+    if (!(length > 0.0)) return p;
+    out /= length;
+    double height = 0.0;
+    for (HalfEdgeId h = 3 * face; h < 3 * face + 3; ++h)
+      height = std::max(height, glm::dot(corner(h) - p, out));
+    return p + height * out;
+  }
+
+  const PolylineSet& lines_;
+  const HalfEdgeMesh& mesh_;
+  std::span<const glm::ivec3> positions_;
+  const TriangleBvh& bvh_;
+  bool isClosed_;
+  bool orthographic_;
+  glm::dvec3 eye_;  // grid units
+  glm::dvec3 forward_;
+  glm::dmat4 clipFromGrid_;
+  LineCrossings crossings_;
+  std::vector<std::uint8_t> isFront_;  // by face
+  // Of the segment being resolved.
+  std::vector<FaceId> own_;
+  std::vector<double> cuts_;
+};
+
+}  // namespace
+
+VisibilityResolver::VisibilityResolver(
+    const HalfEdgeMesh& mesh,
+    std::span<const glm::ivec3> positions)
+    : mesh_(&mesh),
+      positions_(positions),
+      bvh_(positions, mesh.triangles()),
+      isClosed_(
+          std::find(mesh.twins.begin(), mesh.twins.end(), HalfEdgeId{kNone}) == mesh.twins.end()) {}
+
+ResolvedLines VisibilityResolver::resolve(const PolylineSet& lines, const LineScene& scene) const {
+  return ViewResolver(lines, scene, bvh_, isClosed_).resolve();
+}
+
+std::vector<std::uint8_t>
+segmentVisibility(const PolylineSet& lines, const ResolvedLines& resolved, const LineScene& scene) {
+  glm::dmat4 clipFromGrid = scene.camera.clipFromWorld(scene.viewport.aspect());
+  const glm::dvec4 origin = clipFromGrid * glm::dvec4(scene.grid.origin, 1.0);
+  clipFromGrid *= scene.grid.step;
+  clipFromGrid[3] = origin;
+  std::vector<std::uint8_t> visible(lines.points.size(), 0);
+  for (const PolylineSet::Line& line : lines.lines) {
+    for (std::uint32_t k = 0; k < line.segmentCount(); ++k) {
+      const std::uint32_t point = line.begin + k;
+      const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
+      const glm::dvec3 middle =
+          0.5 * (glm::dvec3(lines.points[point]) + glm::dvec3(lines.points[next]));
+      const glm::dvec4 clip = clipFromGrid * glm::dvec4(middle, 1.0);
+      const bool isInside =
+          clip.z >= -clip.w && std::abs(clip.x) <= clip.w && std::abs(clip.y) <= clip.w;
+      if (!isInside) continue;
+      for (const ResolvedLines::Piece& piece : resolved.piecesOf(point)) {
+        if (piece.end < 0.5F) continue;
+        visible[point] = piece.visible ? 1 : 0;
+        break;
+      }
+    }
+  }
+  return visible;
+}
+
+}  // namespace limn
