@@ -27,23 +27,51 @@ bool isChosen(LineKind kind, const FeatureChoice& choice) {
   return false;
 }
 
-/// Appends the lines of `from` that `choice` wants.
-void append(const PolylineSet& from, const FeatureChoice& choice, PolylineSet& to) {
-  for (const PolylineSet::Line& line : from.lines) {
-    if (!isChosen(line.kind, choice)) continue;
-    PolylineSet::Line moved = line;
-    moved.begin = static_cast<std::uint32_t>(to.points.size());
-    moved.end = moved.begin + (line.end - line.begin);
-    to.points.insert(
-        to.points.end(),
-        from.points.begin() + line.begin,
-        from.points.begin() + line.end);
-    to.halfEdges.insert(
-        to.halfEdges.end(),
-        from.halfEdges.begin() + line.begin,
-        from.halfEdges.begin() + line.end);
-    to.faces.insert(to.faces.end(), from.faces.begin() + line.begin, from.faces.begin() + line.end);
-    to.lines.push_back(moved);
+void appendPoint(const PolylineSet& from, std::uint32_t point, PolylineSet& to) {
+  to.points.push_back(from.points[point]);
+  to.halfEdges.push_back(from.halfEdges[point]);
+  to.faces.push_back(from.faces[point]);
+}
+
+/// Appends the segments of a line for which isWanted(point) holds, as one line or in pieces.
+template <class IsWanted>
+void appendLine(
+    const PolylineSet& from,
+    const PolylineSet::Line& line,
+    IsWanted isWanted,
+    PolylineSet& to) {
+  const std::uint32_t segments = line.segmentCount();
+  const std::uint32_t size = line.end - line.begin;
+  std::uint32_t first = 0;
+  while (first < segments && isWanted(line.begin + first))
+    ++first;
+  PolylineSet::Line piece = line;
+  piece.begin = static_cast<std::uint32_t>(to.points.size());
+  if (first == segments) {
+    for (std::uint32_t i = line.begin; i < line.end; ++i)
+      appendPoint(from, i, to);
+    piece.end = static_cast<std::uint32_t>(to.points.size());
+    to.lines.push_back(piece);
+    return;
+  }
+  // A loop is read from a segment that is left out, so that no piece is split at its start.
+  if (!line.closed) first = 0;
+  piece.closed = false;
+  bool isOpen = false;
+  for (std::uint32_t k = 0; k <= segments; ++k) {
+    const std::uint32_t point = line.begin + (first + k) % size;
+    if (k < segments && isWanted(point)) {
+      if (!isOpen) piece.begin = static_cast<std::uint32_t>(to.points.size());
+      isOpen = true;
+      appendPoint(from, point, to);
+    } else if (isOpen) {
+      appendPoint(from, point, to);
+      to.halfEdges.back() = kNone;
+      to.faces.back() = kNone;
+      piece.end = static_cast<std::uint32_t>(to.points.size());
+      to.lines.push_back(piece);
+      isOpen = false;
+    }
   }
 }
 
@@ -61,13 +89,22 @@ LineFinder::LineFinder(
     return mesh.holds(v) ? mesh.slotOf(v) : kNone;
   };
   detector_ = makeDetector(options.detector, field_, detector);
-  append(
-      chainFeatures(
-          snapshot_->mesh.mesh(),
-          snapshot_->mesh.positions(),
-          snapshot_->mesh.features()),
-      options.features,
-      features_);
+  if (options.features.crease && options.silhouette == SilhouetteKind::kSmooth) {
+    creaseContours_.emplace(field_, snapshot_->mesh.features());
+  }
+  const PolylineSet all = chainFeatures(
+      snapshot_->mesh.mesh(),
+      snapshot_->mesh.positions(),
+      snapshot_->mesh.features());
+  for (const PolylineSet::Line& line : all.lines) {
+    if (!isChosen(line.kind, options.features)) continue;
+    appendLine(
+        all,
+        line,
+        [](std::uint32_t) { return true; },
+        features_);
+  }
+  isContour_.assign(snapshot_->mesh.mesh().origins.size(), 0);
 }
 
 LineFinder::Lines LineFinder::find(const Camera& camera) {
@@ -77,14 +114,45 @@ LineFinder::Lines LineFinder::find(const Camera& camera) {
   const SilhouetteResult& found = detector_->detect(view);
   result.detectMs = millisecondsSince(begin);
   begin = Clock::now();
-  const PolylineSet& silhouettes = chainer_.chain(field_, view, found);
+  const PolylineSet& silhouettes = creaseContours_ ? creaseContours_->chain(view, found, chainer_)
+                                                   : chainer_.chain(field_, view, found);
   result.chainMs = millisecondsSince(begin);
   result.stats = found.stats;
   for (const PolylineSet::Line& line : silhouettes.lines)
     result.loops += line.closed ? 1 : 0;
   result.lines = silhouettes;
-  append(features_, {true, true, true}, result.lines);
+  appendFeatures(silhouettes, result.lines);
   return result;
+}
+
+/// Features but for those that are silhouettes from here: each edge is drawn once.
+void LineFinder::appendFeatures(const PolylineSet& silhouettes, PolylineSet& lines) {
+  const HalfEdgeMesh& mesh = snapshot_->mesh.mesh();
+  const std::span<const glm::ivec3> positions = snapshot_->mesh.positions();
+  const auto markContours = [&](std::uint8_t mark) {
+    for (const PolylineSet::Line& line : silhouettes.lines) {
+      for (std::uint32_t k = 0; k < line.segmentCount(); ++k) {
+        const std::uint32_t point = line.begin + k;
+        const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
+        const HalfEdgeId h = silhouettes.halfEdges[point];
+        // A part of an edge is no reason to leave out the whole.
+        if (h == kNone || silhouettes.points[point] != glm::vec3(positions[mesh.origin(h)]) ||
+            silhouettes.points[next] != glm::vec3(positions[mesh.target(h)])) {
+          continue;
+        }
+        isContour_[h] = mark;
+        isContour_[mesh.twin(h)] = mark;
+      }
+    }
+  };
+  markContours(1);
+  for (const PolylineSet::Line& line : features_.lines) {
+    const auto isWanted = [&](std::uint32_t point) {
+      return isContour_[features_.halfEdges[point]] == 0;
+    };
+    appendLine(features_, line, isWanted, lines);
+  }
+  markContours(0);
 }
 
 double LineFinder::recallFrom(const Camera& camera) {

@@ -4,6 +4,7 @@
 #include "client/apps/render_options.h"
 #include "client/core/snapshot.h"
 #include "client/stroke/chain.h"
+#include "client/stroke/crease_contours.h"
 #include "client/stroke/polyline.h"
 
 #include "shared/core/camera.h"
@@ -12,6 +13,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace limn {
 
@@ -44,6 +46,7 @@ class LineFinder {
   [[nodiscard]] const MeshSnapshot& snapshot() const { return *snapshot_; }
 
  private:
+  void appendFeatures(const PolylineSet& silhouettes, PolylineSet& lines);
   [[nodiscard]] SilhouetteView viewOf(const Camera& camera) const;
 
   std::shared_ptr<const MeshSnapshot> snapshot_;
@@ -51,7 +54,9 @@ class LineFinder {
   SilhouetteField field_;
   std::unique_ptr<SilhouetteDetector> detector_;
   SilhouetteChainer chainer_;
+  std::optional<CreaseContours> creaseContours_;  // where creases are drawn
   PolylineSet features_;
+  std::vector<std::uint8_t> isContour_;  // by half-edge; all 0 between calls
 };
 
 }  // namespace limn

@@ -121,7 +121,9 @@ SegmentFacts SegmentJudge::judge(LineKind kind, std::uint32_t point, std::uint32
   const bool isFrontHere = isFront(face);
   const bool isFrontThere = isFront(other);
   if (isFrontHere != isFrontThere || kind == LineKind::kSilhouette) {
-    facts.hiddenByRule = isConcave(scene_.mesh, scene_.positions, h);
+    // A contour on a crease may differ from the faces' own by what their normals were rounded.
+    facts.hiddenByRule =
+        isFrontHere != isFrontThere && isConcave(scene_.mesh, scene_.positions, h);
     // A half-edge has its own face to its left; the surface ends on the other side of the front.
     facts.openSide = isFrontHere ? 1.0F : -1.0F;
     facts.bias = slopeBias(isFrontHere ? face : other, 0.5F * kReachPx);
