@@ -212,6 +212,7 @@ Result<Body> read(const wire::ModelInfo& m) {
   info.closed = m.closed();
   info.blockLevels = m.block_levels();
   info.splitModel = view(m.split_model());
+  info.seedBytes = m.seed_bytes();
   const auto asset = digest(view(m.asset()));
   if (!asset) return bad("ModelInfo.asset is not 32 bytes");
   info.asset = *asset;
@@ -228,6 +229,7 @@ Result<Body> read(const wire::ModelInfo& m) {
   }
   if (info.splitModel.size() > limits::kMaxSplitModelBytes)
     return tooLarge("ModelInfo.split_model");
+  if (info.seedBytes > limits::kMaxSeedBytes) return tooLarge("ModelInfo.seed_bytes");
   if (m.level_begin()->size() > limits::kMaxLevels + 1) return tooLarge("ModelInfo.level_begin");
   info.levelBegin.assign(m.level_begin()->begin(), m.level_begin()->end());
   if (auto levels = checkLevels(info); !levels) return tl::unexpected(levels.error());
@@ -434,6 +436,7 @@ struct Writer {
     info.add_level_begin(levels);
     info.add_block_levels(m.blockLevels);
     info.add_split_model(model);
+    info.add_seed_bytes(m.seedBytes);
     return info.Finish().Union();
   }
 

@@ -121,6 +121,7 @@ struct ModelInfo {
   std::vector<std::uint32_t> levelBegin;
   std::uint8_t blockLevels = 0;
   Bytes splitModel;
+  std::uint32_t seedBytes = 0;  // that will come; 0: none, or all at once
 };
 
 struct Base {

@@ -322,6 +322,8 @@ Result<void> runRender(const RenderCommandOptions& options) {
   ClientSession::Options sessionOptions;
   sessionOptions.session.model = source->model;
   sessionOptions.session.stop = until;
+  sessionOptions.session.needsSeeds =
+      options.detector == DetectorMethod::kPrecomputed && until.state > MeshState::kBase;
   sessionOptions.publishEveryMs = kNeverMs;
   if (follows) sessionOptions.session.stop.kind = StopCondition::Kind::kNever;
   ClientSession session(source->connect, sessionOptions);

@@ -230,7 +230,7 @@ void ClientSession::publish(std::uint64_t now) {
       return;
     }
     // A view that the machine has not seen yet has reached nothing.
-    wanted = wantedState_ && !stateReached_ && !newView_ && machine_.state() >= *wantedState_;
+    wanted = wantedState_ && !stateReached_ && !newView_ && machine_.hasReached(*wantedState_);
     changed = decoder.hasBase() && (!snapshot_ || snapshot_->revision != decoder.revision());
     const bool due =
         done || wanted || !snapshot_ || now >= publishedAtMs_ + options_.publishEveryMs;

@@ -9,12 +9,10 @@ std::vector<std::vector<std::uint8_t>>
 encodeHaveSet(const StreamDecoder& decoder, std::uint8_t channel, std::size_t pieceBytes) {
   std::vector<std::uint8_t> bits;
   if (decoder.hasBase()) {
-    bits.assign((decoder.model().vertices + 7ULL) / 8, 0);
     for (const VertexId v : decoder.mesh().ids()) {
+      if (v / 8 >= bits.size()) bits.resize(v / 8 + 1, 0);
       bits[v / 8] = static_cast<std::uint8_t>(bits[v / 8] | (1U << (v % 8)));
     }
-    while (!bits.empty() && bits.back() == 0)
-      bits.pop_back();
   }
   std::vector<std::vector<std::uint8_t>> pieces;
   std::size_t done = 0;
@@ -24,6 +22,7 @@ encodeHaveSet(const StreamDecoder& decoder, std::uint8_t channel, std::size_t pi
     piece.channel = channel;
     piece.asset = decoder.model().asset;
     piece.base = decoder.hasBase();
+    piece.seeds = decoder.seedBytesHeld();
     piece.first = static_cast<std::uint32_t>(8 * done);
     piece.bits = protocol::Bytes(bits).subspan(done, size);
     done += size;

@@ -320,7 +320,7 @@ void SessionMachine::noteStates(std::uint64_t nowMs) {
 
 void SessionMachine::checkStop(std::uint64_t) {
   const bool reached =
-      (options_.stop.kind == StopCondition::Kind::kState && state() >= options_.stop.state) ||
+      (options_.stop.kind == StopCondition::Kind::kState && hasReached(options_.stop.state)) ||
       (options_.stop.kind == StopCondition::Kind::kBytes && state() == MeshState::kComplete);
   if (reached) phase_ = Phase::kDone;
 }
@@ -336,7 +336,7 @@ bool SessionMachine::owesAnswer() const {
       // The base mesh is owed from the start; more only for a view that has been told.
       return !decoder_.hasBase() || (poses_.newestId() != 0 && state() < MeshState::kSettled) ||
              (options_.stop.kind == StopCondition::Kind::kState && poses_.newestId() != 0 &&
-              state() < options_.stop.state);
+              !hasReached(options_.stop.state));
     default:
       return false;
   }
@@ -369,6 +369,10 @@ std::optional<std::uint64_t> SessionMachine::wakeAtMs() const {
     consider(startMs_ + static_cast<std::uint64_t>(1000.0 * options_.stop.seconds + 0.999));
   }
   return wake;
+}
+
+bool SessionMachine::hasReached(MeshState wanted) const {
+  return state() >= wanted && (!options_.needsSeeds || decoder_.seedsAreThere());
 }
 
 MeshState SessionMachine::state() const {

@@ -34,6 +34,8 @@ class SessionMachine {
     std::string model;
     std::string clientName = "limn-client";
     StopCondition stop;
+    /// A state counts only once the silhouette seeds have come too, if there are any.
+    bool needsSeeds = false;
     std::uint64_t giveUpAfterMs = 30'000;  // of trying to get back to a lost server
     std::uint64_t silenceMs = 30'000;      // of a server that owes something: taken for a loss
     std::uint64_t seed = 1;                // of the backoff's jitter
@@ -83,6 +85,9 @@ class SessionMachine {
   [[nodiscard]] const StreamDecoder& decoder() const { return decoder_; }
 
   [[nodiscard]] MeshState state() const;
+
+  /// Whether the newest view has that state or a later one, with the seeds if they are needed.
+  [[nodiscard]] bool hasReached(MeshState state) const;
 
   [[nodiscard]] const ByteCounters& bytes() const { return bytes_; }
 

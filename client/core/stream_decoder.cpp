@@ -49,6 +49,7 @@ Result<void> StreamDecoder::beginModel(const protocol::ModelInfo& info) {
   levelBegin_ = info.levelBegin;
   blockLevels_ = info.blockLevels;
   splitModel_ = std::move(*splitModel);
+  seedBytesExpected_ = info.seedBytes;
   return {};
 }
 
@@ -90,10 +91,32 @@ Result<void> StreamDecoder::take(const protocol::Packet& message) {
 
 Result<void> StreamDecoder::take(const protocol::Seeds& message) {
   if (!model_) return fail(ErrorCode::kProtocol, "seeds came before the model's description");
-  auto seeds = decodeSeeds(message.seeds, model_->vertices);
+  if (message.offset != seedBytesHeld_ || (message.total == 0 && seedBytesHeld_ != 0) || seeds_) {
+    return fail(ErrorCode::kProtocol, "a piece of the seeds that does not go on where they ended");
+  }
+  protocol::Bytes whole = message.seeds;
+  if (message.total != 0) {
+    seedPieces_.insert(seedPieces_.end(), message.seeds.begin(), message.seeds.end());
+    seedBytesHeld_ = static_cast<std::uint32_t>(seedPieces_.size());
+    if (seedBytesHeld_ < message.total) return {};
+    whole = seedPieces_;
+  }
+  auto seeds = decodeSeeds(whole, model_->vertices);
   if (!seeds) return tl::unexpected(seeds.error().within("silhouette seeds"));
+  seedBytesHeld_ = static_cast<std::uint32_t>(whole.size());
+  seedPieces_ = {};
   seeds_ = std::make_shared<const SeedTable>(std::move(*seeds));
   ++revision_;
+  return {};
+}
+
+Result<void> StreamDecoder::undo(std::span<const VertexId> ids) {
+  ++revision_;
+  for (std::size_t i = ids.size(); i-- > 0;) {
+    if (auto undone = mesh_.undo(ids[i]); !undone) {
+      return fail(ErrorCode::kProtocol, undone.error().message);
+    }
+  }
   return {};
 }
 
@@ -119,6 +142,9 @@ void StreamDecoder::drop() {
   mesh_ = {};
   hasBase_ = false;
   seeds_.reset();
+  seedBytesExpected_ = 0;
+  seedBytesHeld_ = 0;
+  seedPieces_ = {};
   ++revision_;
 }
 

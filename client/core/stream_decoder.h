@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace limn {
@@ -32,6 +33,10 @@ class StreamDecoder {
   [[nodiscard]] Result<void> take(const protocol::Packet& message);
   [[nodiscard]] Result<void> take(const protocol::Seeds& message);
 
+  /// Undoes splits that the server has dropped from its account; ids ascending. Errors: kProtocol
+  /// (a split that cannot be undone: the account is wrong).
+  [[nodiscard]] Result<void> undo(std::span<const VertexId> ids);
+
   /// Forgets the model.
   void drop();
 
@@ -50,6 +55,12 @@ class StreamDecoder {
 
   [[nodiscard]] const std::shared_ptr<const SeedTable>& seeds() const { return seeds_; }
 
+  /// Bytes of the seeds held, for resuming.
+  [[nodiscard]] std::uint32_t seedBytesHeld() const { return seedBytesHeld_; }
+
+  /// All seeds that will come are there, if any will.
+  [[nodiscard]] bool seedsAreThere() const { return seeds_ || seedBytesExpected_ == 0; }
+
   /// Grows with every change of the mesh or the seeds.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
@@ -66,6 +77,9 @@ class StreamDecoder {
   ActiveMesh mesh_;
   bool hasBase_ = false;
   std::shared_ptr<const SeedTable> seeds_;
+  std::uint32_t seedBytesExpected_ = 0;
+  std::uint32_t seedBytesHeld_ = 0;
+  std::vector<std::uint8_t> seedPieces_;  // until they are whole
   std::uint64_t revision_ = 0;
 };
 

@@ -21,11 +21,11 @@ constexpr std::size_t kRememberedPoses = 256;
 // Consecutive clients start this part of a turn apart: the golden ratio spreads any number evenly.
 constexpr double kStartSpread = 0.6180339887498949;
 
-// Keys of SharedDigests; level blocks follow kLevels.
+// Keys of SharedDigests; level blocks follow kLevels, pieces of the seeds kSeeds.
 constexpr int kCoder = 0;  // the part of ModelInfo that two names of one asset share
 constexpr int kBase = 1;
-constexpr int kSeeds = 2;
 constexpr int kLevels = 16;
+constexpr int kSeeds = 1000;
 
 }  // namespace
 
@@ -174,7 +174,7 @@ void LightClient::handle(const protocol::Message& message, protocol::Bytes bytes
         } else if constexpr (std::is_same_v<T, protocol::LevelBlock>) {
           checkShared(kLevels + body.level, bytes);
         } else if constexpr (std::is_same_v<T, protocol::Seeds>) {
-          checkShared(kSeeds, bytes);
+          checkShared(kSeeds + static_cast<int>(body.offset), bytes);
         } else if constexpr (std::is_same_v<T, protocol::Packet>) {
           if (!baseHere_) return decodeError("a Packet before the base mesh");
           answer(body.pose, nowMs, std::nullopt);

@@ -12,6 +12,12 @@
 namespace limn {
 namespace {
 
+/// How closely the way ahead is looked at: a cell is passed in about 0.4 s at 15 degrees a second.
+constexpr std::int64_t kAheadStepMs = 150;
+/// What is only prefetched leaves this much of a client's room free, in quarters.
+constexpr std::uint32_t kAheadQuarters = 3;
+constexpr std::uint32_t kNoLimit = 0xFFFFFFFF;
+
 /// Whether two poses need the same, whatever their ids and goals.
 bool sameView(const protocol::Pose& a, const protocol::Pose& b) {
   return a.eye == b.eye && a.forward == b.forward && a.up == b.up && a.fovY == b.fovY &&
@@ -35,6 +41,7 @@ Result<void> Channel::setModel(std::shared_ptr<const Model> model) {
     if (resumeAsset_) return fail(ErrorCode::kCorrupt, "the model has changed");
   }
   model_ = std::move(model);
+  noteInView();
   return resumeEnded_ ? finishResume() : Result<void>{};
 }
 
@@ -48,6 +55,7 @@ Result<void> Channel::haveSet(const protocol::HaveSet& piece) {
   if (piece.first < resumeNext_) return fail(ErrorCode::kProtocol, "HaveSet pieces out of order");
   resumeAsset_ = piece.asset;
   resumeBase_ = resumeBase_ || piece.base;
+  resumeSeeds_ = std::max(resumeSeeds_, piece.seeds);
   const std::uint64_t end = std::uint64_t{piece.first} + 8 * piece.bits.size();
   resumeNext_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(end, limits::kMaxVertices));
   have_.addBits(piece.first, piece.bits);
@@ -68,7 +76,11 @@ Result<void> Channel::finishResume() {
   if (resumeBase_ && !isClosed(forest, have_.words())) {
     return fail(ErrorCode::kProtocol, "the HaveSet lacks prerequisites of what it has");
   }
+  if (resumeSeeds_ > model_->seeds().size()) {
+    return fail(ErrorCode::kProtocol, "the HaveSet has more seeds than there are");
+  }
   baseSent_ = resumeBase_;
+  seedsSent_ = resumeSeeds_;
   return {};
 }
 
@@ -83,8 +95,13 @@ void Channel::pose(const protocol::Pose& pose, ViewCells& cells, std::int64_t no
   pose_ = pose;
   settledSent_ = false;
   completeSent_ = false;
+  full_ = false;
+  fullSent_ = false;
   if (same) return;
   poseAtMs_ = nowMs;
+  motion_.add(pose, nowMs);
+  aheadStep_ = 0;
+  noteInView();
   poseHasOwnSet_ = false;
   satisfied_ = false;
   prefetching_ = false;
@@ -103,6 +120,7 @@ void Channel::pose(const protocol::Pose& pose, ViewCells& cells, std::int64_t no
 
 Result<void> Channel::drop(protocol::Bytes ids) {
   if (!model_) return fail(ErrorCode::kProtocol, "a Drop came before the model was open");
+  if (droppedAnswer_) return fail(ErrorCode::kProtocol, "a Drop came before the last one's answer");
   const auto decoded = decodeIdSet(ids, have_.vertexCount());
   if (!decoded) return fail(ErrorCode::kProtocol, decoded.error().message);
   for (const VertexId v : *decoded) {
@@ -110,17 +128,49 @@ Result<void> Channel::drop(protocol::Bytes ids) {
       return fail(ErrorCode::kProtocol, "a Drop names a split that is not held");
     }
   }
-  for (const VertexId v : *decoded)
-    have_.remove(v);
+  const std::vector<VertexId> kept = model_->dependents().neededOf(have_, *decoded);
+  for (const VertexId v : *decoded) {
+    if (!std::ranges::binary_search(kept, v)) have_.remove(v);
+  }
+  droppedAnswer_ = encodeIdSet(kept);
+  // What was passed over as held may be missing now, and what was said of this pose not be true.
   cursor_ = {};
   exhausted_ = false;
   satisfied_ = false;
+  settledSent_ = false;
+  completeSent_ = false;
+  full_ = false;
+  fullSent_ = false;
+  aheadCursor_ = {};
   // It is short of memory: what it does not need it would only drop again.
   options_.prefetchAfterMs = -1;
-  if (prefetching_) adopt(Plan::kNothing, nullptr);
-  prefetching_ = false;
-  poseHasOwnSet_ = false;
+  if (prefetching_) {
+    adopt(Plan::kNothing, nullptr);
+    prefetching_ = false;
+    poseHasOwnSet_ = false;
+  }
   return {};
+}
+
+void Channel::noteInView() {
+  if (!model_ || !pose_) return;
+  const protocol::ModelInfo& info = model_->info();
+  const View view = viewOfPose(*pose_, model_->forest().grid);
+  inView_ =
+      view.maySee((info.center - info.gridOrigin) / info.gridStep, info.radius / info.gridStep);
+}
+
+std::uint32_t Channel::roomFor(std::uint32_t quarters) const {
+  if (!pose_ || pose_->maxSplits == 0) return kNoLimit;
+  const std::uint32_t base = model_->forest().baseVertexCount();
+  const std::uint32_t held = have_.count() > base ? have_.count() - base : 0;
+  const auto most = static_cast<std::uint32_t>(std::uint64_t{pose_->maxSplits} * quarters / 4);
+  return most > held ? most - held : 0;
+}
+
+std::uint32_t Channel::missing() const {
+  if (!target_) return have_.vertexCount() - have_.count();
+  return missingOf(*target_, have_);
 }
 
 void Channel::adopt(Plan plan, std::shared_ptr<const TargetSet> target) {
@@ -128,6 +178,7 @@ void Channel::adopt(Plan plan, std::shared_ptr<const TargetSet> target) {
   target_ = std::move(target);
   cursor_ = {};
   exhausted_ = false;
+  full_ = false;
 }
 
 bool Channel::planIsFinal() const {
@@ -176,10 +227,33 @@ bool Channel::steer(ViewCells& cells, std::int64_t nowMs) {
   return changed;
 }
 
+/// Chooses a cell on the camera's way, once the one it is in is there. True when it did.
+bool Channel::lookAhead(ViewCells& cells, std::int64_t nowMs) {
+  if (!model_ || !pose_ || plan_ != Plan::kCell || !exhausted_ || jumped_ || resting(nowMs) ||
+      !aheadExhausted_ || full_ || roomFor(kAheadQuarters) == 0) {
+    return false;
+  }
+  while ((aheadStep_ + 1) * kAheadStepMs <= options_.aheadMs) {
+    const auto pose = motion_.at((aheadStep_ + 1) * kAheadStepMs);
+    if (!pose) return false;
+    const ViewCells::Ticket cell = cells.cell(model_, *pose);
+    if (!cell || !cell->set) return false;  // asked for; the next update looks again
+    ++aheadStep_;
+    if (cell->set == target_ || cell->set == ahead_) continue;
+    ahead_ = cell->set;
+    aheadCursor_ = {};
+    aheadExhausted_ = false;
+    return true;
+  }
+  return false;
+}
+
 bool Channel::update(ViewCells& cells, std::int64_t nowMs) {
   bool changed = steer(cells, nowMs);
+  changed = lookAhead(cells, nowMs) || changed;
   if (satisfied_ && settledSent_ && !prefetching_ && !have_.complete() &&
-      options_.prefetchAfterMs >= 0 && nowMs - poseAtMs_ >= options_.prefetchAfterMs) {
+      options_.prefetchAfterMs >= 0 && pose_->maxSplits == 0 &&
+      nowMs - poseAtMs_ >= options_.prefetchAfterMs) {
     prefetching_ = true;
     adopt(Plan::kEverything, nullptr);
     changed = true;
@@ -199,27 +273,68 @@ OutMessage Channel::sharedMessage(protocol::Bytes message) const {
   return out;
 }
 
-std::optional<OutMessage> Channel::next(const Window& window) {
+std::optional<OutMessage> Channel::nextControl() {
   if (!model_) return std::nullopt;
+  OutMessage out;
   if (!infoSent_) {
     infoSent_ = true;
     protocol::ModelInfo info = model_->info();
     info.channel = request_.id;
     info.name = request_.model;
-    OutMessage out;
+    info.seedBytes = static_cast<std::uint32_t>(model_->seeds().size());
     out.owned = protocol::encodeMessage(info);
     return out;
   }
-  if (awaitingHaveSet_) return std::nullopt;
-  if (auto start = nextStart(window)) return start;
-  if (!baseSent_ || !blocksDone_ || !seedsSent_) return std::nullopt;  // the window is full
-  // A pose that needs nothing more hears so before anything is prefetched for it.
-  if (satisfied_) {
-    if (auto settled = nextSettled()) return settled;
+  if (droppedAnswer_) {
+    const std::vector<std::uint8_t> kept = *std::exchange(droppedAnswer_, std::nullopt);
+    out.owned = protocol::encodeMessage(protocol::Dropped{request_.id, kept});
+    return out;
   }
-  if (auto packet = nextPacket(window)) return packet;
+  if (!pose_ || awaitingHaveSet_ || !baseSent_ || !blocksDone_) return std::nullopt;
+  if (full_ && !fullSent_) {
+    fullSent_ = true;
+    out.owned = protocol::encodeMessage(protocol::Full{request_.id, pose_->id, missing()});
+    return out;
+  }
   if (exhausted_ && planIsFinal()) satisfied_ = true;
   return satisfied_ ? nextSettled() : std::nullopt;
+}
+
+Urgency Channel::urgency() const {
+  if (!model_ || !infoSent_ || awaitingHaveSet_) return Urgency::kNothing;
+  if (!baseSent_ || !blocksDone_) return inView_ ? Urgency::kPicture : Urgency::kOutOfView;
+  if (!pose_ || plan_ == Plan::kNothing) return Urgency::kNothing;
+  const bool isOpen = !exhausted_ && !full_;
+  if (isOpen && !prefetching_) {
+    if (plan_ == Plan::kEverything) return Urgency::kNeededAt1;
+    const std::size_t finest = static_cast<std::size_t>(Urgency::kNeededAt1);
+    return static_cast<Urgency>(
+        std::min(static_cast<std::size_t>(Urgency::kNeededAt8) + cursor_.targetClass, finest));
+  }
+  if (seedsSent_ < model_->seeds().size()) return Urgency::kSeeds;
+  if (!aheadExhausted_ && !full_) return Urgency::kAhead;
+  return isOpen ? Urgency::kEverything : Urgency::kNothing;
+}
+
+std::optional<OutMessage> Channel::nextPayload(const Window& window) {
+  switch (urgency()) {
+    case Urgency::kPicture:
+    case Urgency::kOutOfView:
+      return nextStart(window);
+    case Urgency::kNeededAt8:
+    case Urgency::kNeededAt4:
+    case Urgency::kNeededAt2:
+    case Urgency::kNeededAt1:
+    case Urgency::kEverything:
+      return nextNeeded(window);
+    case Urgency::kSeeds:
+      return nextSeeds(window);
+    case Urgency::kAhead:
+      return nextAhead(window);
+    case Urgency::kNothing:
+      return std::nullopt;
+  }
+  return std::nullopt;
 }
 
 std::optional<OutMessage> Channel::nextStart(const Window& window) {
@@ -229,16 +344,22 @@ std::optional<OutMessage> Channel::nextStart(const Window& window) {
     have_.addRange(0, model_->forest().baseVertexCount());
     return sharedMessage(model_->base());
   }
-  if (auto block = nextBlock(window)) return block;
-  if (blocksDone_ && !seedsSent_) {
-    if (model_->seeds().empty()) {
-      seedsSent_ = true;
-    } else if (window.allows(model_->seeds().size())) {
-      seedsSent_ = true;
-      return sharedMessage(model_->seeds());
-    }
-  }
-  return std::nullopt;
+  return nextBlock(window);
+}
+
+std::optional<OutMessage> Channel::nextSeeds(const Window& window) {
+  const std::size_t size = std::min(options_.seedPieceBytes, model_->seeds().size() - seedsSent_);
+  if (!window.allows(size)) return std::nullopt;
+  protocol::Seeds piece;
+  piece.channel = request_.id;
+  piece.seeds = model_->seeds().subspan(seedsSent_, size);
+  piece.offset = static_cast<std::uint32_t>(seedsSent_);
+  piece.total = static_cast<std::uint32_t>(model_->seeds().size());
+  seedsSent_ += size;
+  OutMessage out;
+  out.payload = true;
+  out.owned = protocol::encodeMessage(piece);
+  return out;
 }
 
 std::optional<OutMessage> Channel::nextBlock(const Window& window) {
@@ -255,9 +376,9 @@ std::optional<OutMessage> Channel::nextBlock(const Window& window) {
       ++nextBlock_;
       continue;
     }
-    if (held != 0) {
-      // Held in part (a resumed client that has dropped some): what is needed comes in packets, and
-      // finer blocks could lack prerequisites.
+    if (held != 0 || roomFor(4) < end - begin) {
+      // Held in part (a resumed client that has dropped some), or too much for it: what is needed
+      // comes in packets, and finer blocks could lack prerequisites.
       blocksDone_ = true;
       break;
     }
@@ -285,17 +406,42 @@ std::vector<VertexId> Channel::choose(std::size_t maxSplits) {
   return {};
 }
 
-std::optional<OutMessage> Channel::nextPacket(const Window& window) {
-  if (!pose_ || plan_ == Plan::kNothing || exhausted_ || !window.allows(options_.packetBytes)) {
-    return std::nullopt;
-  }
+std::size_t Channel::splitsAPacket() const {
   const double fit = static_cast<double>(options_.packetBytes) / bytesPerSplit_;
-  const auto maxSplits = static_cast<std::size_t>(std::clamp(fit, 16.0, 65536.0));
-  const std::vector<VertexId> ids = choose(maxSplits);
+  return static_cast<std::size_t>(std::clamp(fit, 16.0, 65536.0));
+}
+
+std::optional<OutMessage> Channel::nextNeeded(const Window& window) {
+  if (!window.allows(options_.packetBytes)) return std::nullopt;
+  const std::size_t room = roomFor(4);
+  // With no room left it still matters whether anything is missing.
+  const std::vector<VertexId> ids =
+      choose(std::max<std::size_t>(std::min(splitsAPacket(), room), 1));
   if (ids.empty()) {
     exhausted_ = true;
     return std::nullopt;
   }
+  if (ids.size() > room) {
+    full_ = true;
+    return std::nullopt;
+  }
+  return packetOf(ids);
+}
+
+std::optional<OutMessage> Channel::nextAhead(const Window& window) {
+  // Half of the window stays free for what the next pose needs.
+  if (!window.allows(window.limitBytes() / 2 + options_.packetBytes)) return std::nullopt;
+  const std::size_t room = roomFor(kAheadQuarters);
+  const std::vector<VertexId> ids =
+      nextSplits(*ahead_, have_, std::min(splitsAPacket(), room), aheadCursor_);
+  if (ids.empty()) {
+    aheadExhausted_ = true;
+    return std::nullopt;
+  }
+  return packetOf(ids);
+}
+
+OutMessage Channel::packetOf(const std::vector<VertexId>& ids) {
   const std::vector<std::uint8_t> splits =
       encodeSplits(model_->forest(), model_->splitModel(), ids);
   for (const VertexId v : ids)

@@ -4,6 +4,7 @@
 #include "server/session/catalogue.h"
 #include "server/session/have_set.h"
 #include "server/session/model.h"
+#include "server/session/motion.h"
 #include "server/session/scheduler.h"
 #include "server/session/view_cells.h"
 #include "server/session/window.h"
@@ -22,9 +23,11 @@ namespace limn {
 struct SessionOptions {
   std::uint64_t windowBytes = 256 * 1024;   // payload on its way to a client
   std::size_t packetBytes = 8 * 1024;       // aim of a Packet
+  std::size_t seedPieceBytes = 4 * 1024;    // of one Seeds message
   std::size_t maxChannels = 16;             // models open at once on a connection
   std::int64_t restMs = 250;                // a pose this old is resting
   std::int64_t prefetchAfterMs = 1000;      // a pose this old gets everything; < 0: never
+  std::int64_t aheadMs = 1500;              // how far a motion is followed ahead; 0: not at all
   std::optional<std::uint64_t> randomSeed;  // test mode: splits in random legal order
 };
 
@@ -38,6 +41,20 @@ struct OutMessage {
   [[nodiscard]] protocol::Bytes bytes() const {
     return owned.empty() ? shared : protocol::Bytes(owned);
   }
+};
+
+/// How badly the picture lacks what a channel would send next; most urgent first.
+enum class Urgency : std::uint8_t {
+  kPicture,    // the start of a model in view
+  kNeededAt8,  // what the pose needs, by TargetClass
+  kNeededAt4,
+  kNeededAt2,
+  kNeededAt1,
+  kOutOfView,  // the start of a model out of view
+  kSeeds,
+  kAhead,       // what the camera's motion will need
+  kEverything,  // the rest, while nothing moves
+  kNothing,
 };
 
 /// One open model of a connection: what its client holds, where it looks from, what comes next.
@@ -64,20 +81,32 @@ class Channel {
   /// Errors: kCorrupt (another asset: stale), kProtocol (not closed, out of order, not expected).
   [[nodiscard]] Result<void> haveSet(const protocol::HaveSet& piece);
   void pose(const protocol::Pose& pose, ViewCells& cells, std::int64_t nowMs);
-  /// Errors: kProtocol (not an id set of splits held).
+  /// Drops what can go and queues the answer. Errors: kProtocol (not an id set of splits held, or
+  /// the last Drop's answer is still to be sent).
   [[nodiscard]] Result<void> drop(protocol::Bytes ids);
 
   /// Takes in finished target sets and the passing of time. True when there may be more to send.
   [[nodiscard]] bool update(ViewCells& cells, std::int64_t nowMs);
 
-  /// The next message within the window, if there is one.
-  [[nodiscard]] std::optional<OutMessage> next(const Window& window);
+  /// The next message that no window holds back (descriptions, answers), if there is one.
+  [[nodiscard]] std::optional<OutMessage> nextControl();
+  /// Of the payload that is to come next. An upper bound: nextPayload() may find there is nothing
+  /// that urgent, and lowers it then.
+  [[nodiscard]] Urgency urgency() const;
+  /// The next payload within the window. None with urgency() unchanged: the window is full.
+  [[nodiscard]] std::optional<OutMessage> nextPayload(const Window& window);
+
+  /// Payload bytes given to this channel, for fairness.
+  [[nodiscard]] std::uint64_t servedBytes() const { return servedBytes_; }
+
+  void addServed(std::uint64_t bytes) { servedBytes_ += bytes; }
 
   [[nodiscard]] const HaveSet& have() const { return have_; }
 
   /// Memory of this channel, shared target sets excluded.
   [[nodiscard]] std::size_t bytes() const {
-    return sizeof(*this) + have_.bytes() + request_.model.capacity();
+    return sizeof(*this) + have_.bytes() + request_.model.capacity() +
+           (droppedAnswer_ ? droppedAnswer_->capacity() : 0);
   }
 
  private:
@@ -94,10 +123,19 @@ class Channel {
   [[nodiscard]] bool planIsFinal() const;
   void adopt(Plan plan, std::shared_ptr<const TargetSet> target);
   bool steer(ViewCells& cells, std::int64_t nowMs);
+  bool lookAhead(ViewCells& cells, std::int64_t nowMs);
+  void noteInView();
+  /// Splits that the client still has room for, of `share` quarters of its limit.
+  [[nodiscard]] std::uint32_t roomFor(std::uint32_t share) const;
+  [[nodiscard]] std::uint32_t missing() const;
   [[nodiscard]] Result<void> finishResume();
   [[nodiscard]] std::optional<OutMessage> nextStart(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextBlock(const Window& window);
-  [[nodiscard]] std::optional<OutMessage> nextPacket(const Window& window);
+  [[nodiscard]] std::optional<OutMessage> nextNeeded(const Window& window);
+  [[nodiscard]] std::optional<OutMessage> nextAhead(const Window& window);
+  [[nodiscard]] std::optional<OutMessage> nextSeeds(const Window& window);
+  [[nodiscard]] OutMessage packetOf(const std::vector<VertexId>& ids);
+  [[nodiscard]] std::size_t splitsAPacket() const;
   [[nodiscard]] std::optional<OutMessage> nextSettled();
   [[nodiscard]] std::vector<VertexId> choose(std::size_t maxSplits);
   [[nodiscard]] OutMessage sharedMessage(protocol::Bytes message) const;
@@ -112,19 +150,21 @@ class Channel {
   std::optional<Sha256Digest> resumeAsset_;
   std::uint32_t resumeNext_ = 0;  // where the next piece must begin
   bool resumeBase_ = false;
+  std::uint32_t resumeSeeds_ = 0;
   bool awaitingHaveSet_ = false;
   bool resumeEnded_ = false;
 
   // The start, the same for everyone.
   bool infoSent_ = false;
   bool baseSent_ = false;
-  bool seedsSent_ = false;
   bool blocksDone_ = false;
   std::uint32_t nextBlock_ = 0;
+  std::size_t seedsSent_ = 0;  // bytes
 
   // The pose and what it needs.
   std::optional<protocol::Pose> pose_;
   std::int64_t poseAtMs_ = 0;
+  bool inView_ = true;
   bool jumped_ = false;         // the pose came after a rest: its own set at once, no cell
   bool poseHasOwnSet_ = false;  // pending_ or target_ is the current pose's own
   Plan plan_ = Plan::kNothing;
@@ -134,10 +174,21 @@ class Channel {
   ScheduleCursor cursor_;
   bool exhausted_ = false;  // nothing of plan_ is missing
   bool satisfied_ = false;  // nothing that the pose's goal needs is missing
+  bool full_ = false;       // something that the pose needs is missing, and there is no room
+  bool fullSent_ = false;
   bool prefetching_ = false;
-  bool settledSent_ = false;    // for this pose and goal
-  bool completeSent_ = false;   // for this pose
+  bool settledSent_ = false;   // for this pose and goal
+  bool completeSent_ = false;  // for this pose
+  std::optional<std::vector<std::uint8_t>> droppedAnswer_;
   double bytesPerSplit_ = 4.0;  // running estimate
+  std::uint64_t servedBytes_ = 0;
+
+  // Where the camera is going.
+  Motion motion_;
+  std::shared_ptr<const TargetSet> ahead_;  // of a cell on the way
+  ScheduleCursor aheadCursor_;
+  bool aheadExhausted_ = true;
+  std::int64_t aheadStep_ = 0;  // how far along the way that is
 };
 
 }  // namespace limn

@@ -68,7 +68,10 @@ Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> as
   if (seeds && !seeds->empty()) {
     const auto message = oneMessageOf<protocol::Seeds>(source, sections::kSeeds);
     if (!message) return tl::unexpected(message.error().within(where));
-    model->seeds_ = *message;
+    auto decoded = protocol::decodeMessage(*message, protocol::Sender::kServer);
+    if (!decoded) return corrupt(decoded.error().message);
+    model->seedsMessage_ = std::move(*decoded);
+    model->seeds_ = model->seedsMessage_.as<protocol::Seeds>()->seeds;
   }
   const auto bytes = source.section(sections::kForest);
   if (!bytes) return tl::unexpected(bytes.error().within(where));
@@ -106,6 +109,12 @@ const ExactFinder* Model::exactFinder() const {
   return exact_.get();
 }
 
+const Dependents& Model::dependents() const {
+  const std::lock_guard lock(mutex_);
+  if (!dependents_) dependents_ = std::make_unique<const Dependents>(forest_);
+  return *dependents_;
+}
+
 std::size_t Model::bytes() const {
   const SplitForest& f = forest_;
   const std::size_t forest =
@@ -115,7 +124,8 @@ std::size_t Model::bytes() const {
       f.cuts.capacity() * sizeof(RingCut) + f.features.capacity() +
       f.bounds.capacity() * sizeof(SplitBounds) + smoothCones_.capacity() * sizeof(NormalCone);
   const std::lock_guard lock(mutex_);
-  return sizeof(*this) + forest + (exact_ ? exact_->bytes() : 0);
+  return sizeof(*this) + forest + (exact_ ? exact_->bytes() : 0) +
+         (dependents_ ? dependents_->bytes() : 0);
 }
 
 std::vector<std::uint8_t> withChannel(Bytes message, std::uint8_t channel) {

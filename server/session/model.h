@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "server/session/dependents.h"
 #include "server/session/exact_set.h"
 #include "server/store/asset_store.h"
 
@@ -43,12 +44,15 @@ class Model {
 
   [[nodiscard]] const std::vector<protocol::Bytes>& blocks() const { return blocks_; }
 
-  [[nodiscard]] protocol::Bytes seeds() const { return seeds_; }  // empty: none
+  /// The content of the Seeds messages. Empty: none.
+  [[nodiscard]] protocol::Bytes seeds() const { return seeds_; }
 
   /// Made on first use: O(faces), and as much memory again as the forest. Null when the full mesh
   /// is no manifold, which preparation never leaves behind.
   [[nodiscard]] const ExactFinder* exactFinder() const;
-  /// Memory held, mapped sections excluded, the exact finder's included once it is made.
+  /// Made on first use: few clients ever drop anything.
+  [[nodiscard]] const Dependents& dependents() const;
+  /// Memory held, mapped sections excluded, what is made on first use included from then on.
   [[nodiscard]] std::size_t bytes() const;
 
  private:
@@ -61,10 +65,12 @@ class Model {
   protocol::Message infoMessage_;
   protocol::Bytes base_;
   std::vector<protocol::Bytes> blocks_;
-  protocol::Bytes seeds_;
+  protocol::Message seedsMessage_;
+  protocol::Bytes seeds_;  // of seedsMessage_
   mutable std::mutex mutex_;
-  mutable std::unique_ptr<const ExactFinder> exact_;  // guarded by mutex_, constant once made
-  mutable bool exactFailed_ = false;                  // guarded by mutex_
+  mutable std::unique_ptr<const ExactFinder> exact_;      // guarded by mutex_, constant once made
+  mutable bool exactFailed_ = false;                      // guarded by mutex_
+  mutable std::unique_ptr<const Dependents> dependents_;  // guarded by mutex_, constant once made
 };
 
 /// A message with another channel. Messages without one, and those that have it already, come back

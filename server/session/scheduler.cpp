@@ -52,6 +52,16 @@ std::vector<VertexId> nextSplits(
   return ids;
 }
 
+std::uint32_t missingOf(const TargetSet& target, const HaveSet& have) {
+  const auto held = have.words();
+  std::uint32_t count = 0;
+  for (const auto& wanted : target.classes) {
+    for (std::size_t word = 0; word < wanted.size(); ++word)
+      count += static_cast<std::uint32_t>(std::popcount(wanted[word] & ~held[word]));
+  }
+  return count;
+}
+
 std::vector<VertexId>
 nextSplitsOfAll(const HaveSet& have, std::size_t maxSplits, ScheduleCursor& cursor) {
   std::vector<VertexId> ids;

@@ -29,6 +29,9 @@ struct ScheduleCursor {
     std::size_t maxSplits,
     ScheduleCursor& cursor);
 
+/// How many splits of a target set a client lacks. Cost: O(words).
+[[nodiscard]] std::uint32_t missingOf(const TargetSet& target, const HaveSet& have);
+
 /// The next splits in order of id, of all. cursor.word alone is used.
 [[nodiscard]] std::vector<VertexId>
 nextSplitsOfAll(const HaveSet& have, std::size_t maxSplits, ScheduleCursor& cursor);

@@ -26,7 +26,7 @@ Session::Session(SessionShared& shared, Peer& peer, std::int64_t nowMs)
       peer_(peer),
       bornMs_(nowMs),
       nowMs_(nowMs),
-      window_(shared.options.windowBytes) {}
+      window_({.mostBytes = shared.options.windowBytes}) {}
 
 Channel* Session::find(std::uint8_t id) {
   const auto found = std::ranges::find(channels_, id, [](const auto& c) { return c->id(); });
@@ -112,10 +112,15 @@ void Session::handle(const protocol::Open& open) {
   }
   const std::uint32_t vertices =
       lookup.model ? lookup.model->forest().vertexCount() : lookup.vertices;
+  // A newcomer is not owed what others had before it came.
+  std::optional<std::uint64_t> served;
+  for (const auto& other : channels_)
+    served = std::min(served.value_or(other->servedBytes()), other->servedBytes());
   channels_.push_back(std::make_unique<Channel>(
       Channel::Request{open.channel, name, open.resume},
       vertices,
       shared_.options));
+  channels_.back()->addServed(served.value_or(0));
   if (lookup.model) static_cast<void>(channels_.back()->setModel(lookup.model));
 }
 
@@ -162,7 +167,7 @@ void Session::handle(const protocol::Pose& pose) {
 }
 
 void Session::handle(const protocol::Acknowledge& acknowledge) {
-  if (const auto taken = window_.acknowledge(acknowledge.bytes); !taken) {
+  if (const auto taken = window_.acknowledge(acknowledge.bytes, nowMs_); !taken) {
     refuse(protocol::WireError::kBadMessage, -1, taken.error().message);
   }
 }
@@ -193,7 +198,8 @@ void Session::update(std::int64_t nowMs) {
   if (more) peer_.wantWrite();
 }
 
-std::optional<OutMessage> Session::nextMessage() {
+std::optional<OutMessage> Session::nextMessage(std::int64_t nowMs) {
+  nowMs_ = nowMs;
   OutMessage out;
   if (welcomeWanted_) {
     welcomeWanted_ = false;
@@ -214,16 +220,35 @@ std::optional<OutMessage> Session::nextMessage() {
     out.owned = catalogueMessageOf(shared_.models.catalogue());
     return out;
   }
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    Channel& channel = *channels_[(turn_ + i) % channels_.size()];
-    if (channel.loading() && !tryLoad(channel)) return nextMessage();
-    auto message = channel.next(window_);
-    if (!message) continue;
-    turn_ = (turn_ + i + 1) % channels_.size();
-    if (message->payload) window_.sent(message->bytes().size());
-    return message;
+  for (const auto& channel : channels_) {
+    if (channel->loading() && !tryLoad(*channel)) return nextMessage(nowMs);
   }
-  return std::nullopt;
+  auto message = nextPayload();
+  if (message && message->payload) window_.sent(message->bytes().size(), nowMs);
+  return message;
+}
+
+/// What a picture lacks most, over all channels; among equals the channel that had least.
+std::optional<OutMessage> Session::nextPayload() {
+  while (true) {
+    for (const auto& channel : channels_) {
+      if (auto control = channel->nextControl()) return control;
+    }
+    const auto rank = [](const auto& channel) {
+      return std::pair(channel->urgency(), channel->servedBytes());
+    };
+    const auto next = std::ranges::min_element(channels_, {}, rank);
+    if (next == channels_.end() || (*next)->urgency() == Urgency::kNothing) return std::nullopt;
+    Channel& channel = **next;
+    const Urgency before = channel.urgency();
+    auto message = channel.nextPayload(window_);
+    if (message) {
+      channel.addServed(message->bytes().size());
+      return message;
+    }
+    // Nothing, as it turned out, or the window is full: then nobody else's turn comes before.
+    if (channel.urgency() == before) return std::nullopt;
+  }
 }
 
 void Session::drain(std::uint32_t retryAfterMs) {

@@ -43,7 +43,7 @@ class Session {
   void update(std::int64_t nowMs);
   /// The next message to write, if there is one now. Messages are made here, not before, so they
   /// are for the newest pose.
-  [[nodiscard]] std::optional<OutMessage> nextMessage();
+  [[nodiscard]] std::optional<OutMessage> nextMessage(std::int64_t nowMs);
   /// Tells the client to move on; the connection is to be closed after the last message.
   void drain(std::uint32_t retryAfterMs);
 
@@ -76,6 +76,7 @@ class Session {
   void handle(const Other&) {}  // decodeMessage() lets no server messages through
 
   [[nodiscard]] Channel* find(std::uint8_t id);
+  [[nodiscard]] std::optional<OutMessage> nextPayload();
   /// Queues an Error; channel −1 ends the connection, others the channel.
   void refuse(protocol::WireError code, std::int16_t channel, const std::string& why);
   void closeChannel(std::uint8_t id);
@@ -93,7 +94,6 @@ class Session {
   std::optional<Close> close_;
   Window window_;
   std::vector<std::unique_ptr<Channel>> channels_;
-  std::size_t turn_ = 0;  // channels take turns
 };
 
 }  // namespace limn

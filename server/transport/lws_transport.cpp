@@ -349,7 +349,7 @@ int Transport::receive(Connection& connection, const void* in, std::size_t size)
 
 int Transport::write(Connection& connection) {
   lws* wsi = connection.wsi;
-  const auto message = connection.session.nextMessage();
+  const auto message = connection.session.nextMessage(nowMs());
   if (!message) {
     const auto close = connection.session.close();
     if (!close) return 0;

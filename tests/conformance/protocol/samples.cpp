@@ -89,6 +89,7 @@ std::vector<Sample> samples() {
   info.levelBegin = {0, 400, 600, 1000};
   info.blockLevels = 1;
   info.splitModel = payload;
+  info.seedBytes = 9000;
   add("model_info.bin", Sender::kServer, info);
   add("base.bin", Sender::kServer, Base{3, payload, Bytes(payload).first(5)});
   add("base_without_features.bin", Sender::kServer, Base{3, payload, {}});

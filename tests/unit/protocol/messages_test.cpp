@@ -172,6 +172,7 @@ TEST(Messages, ModelInfosThatPromiseNonsenseAreRefused) {
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.faces = 0; }));
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.faces = 1000; }));
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.blockLevels = 3; }));
+  EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.seedBytes = limits::kMaxSeedBytes + 1; }));
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.gridStep = 0.0; }));
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.gridStep = HUGE_VAL; }));
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.gridBits = 19; }));

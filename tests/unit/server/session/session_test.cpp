@@ -1,13 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/session/session.h"
-
-#include "client/core/stream_decoder.h"
-#include "tests/unit/server/session/test_model.h"
-
-#include "protocol/limits.h"
-
-#include "shared/codec/id_set.h"
-#include "shared/mesh/primitives.h"
+#include "tests/unit/server/session/session_link.h"
 
 #include <optional>
 
@@ -16,147 +8,6 @@ namespace {
 
 using protocol::Goal;
 using protocol::WireError;
-
-const std::shared_ptr<const Model>& bumpy() {
-  static const auto model = modelOf(primitives::bumpySphere(4, 3), 1);
-  return model;
-}
-
-const std::shared_ptr<const Model>& torus() {
-  static const auto model = modelOf(primitives::torus(40, 20), 2);
-  return model;
-}
-
-/// A session and the client at its other end: a real decoder for each channel, acknowledging when
-/// it likes to.
-class Link final : public Peer {
- public:
-  explicit Link(SessionOptions options = {})
-      : cells_(tasks_, {}),
-        shared_{models_, cells_, options},
-        session_(shared_, *this, 0) {
-    models_.add("bumpy", bumpy());
-    models_.add("torus", torus());
-  }
-
-  void wantWrite() override { ++wants_; }
-
-  void send(const protocol::Body& body) { session_.receive(protocol::encodeMessage(body), now_); }
-
-  void hello() { send(protocol::Hello{1, "test"}); }
-
-  void open(const std::string& model, std::uint8_t channel = 0, bool resume = false) {
-    send(protocol::Open{channel, model, resume});
-  }
-
-  protocol::Pose look(const glm::dvec3& direction, Goal goal, std::uint8_t channel = 0) {
-    protocol::Pose pose = poseAt(bumpy()->info(), direction);
-    pose.channel = channel;
-    pose.id = ++poseId_;
-    pose.goal = goal;
-    send(pose);
-    return pose;
-  }
-
-  void acknowledge() { send(protocol::Acknowledge{payload_}); }
-
-  /// Takes what the window lets through, decoding it. Returns how many messages.
-  int take() {
-    int count = 0;
-    while (auto out = session_.nextMessage()) {
-      ++count;
-      const auto message = protocol::decodeMessage(out->bytes(), protocol::Sender::kServer);
-      EXPECT_TRUE(message) << message.error().message;
-      EXPECT_LE(out->bytes().size(), limits::kMaxServerMessageBytes);
-      EXPECT_EQ(out->payload, protocol::isPayload(message->body));
-      if (out->payload) payload_ += out->bytes().size();
-      if (const auto* packet = message->as<protocol::Packet>())
-        packetBytes_ += packet->splits.size();
-      note(*message);
-    }
-    return count;
-  }
-
-  /// Goes on until nothing moves: background work, time, acknowledgements.
-  void settle(std::int64_t forMs = 0) {
-    const std::int64_t until = now_ + forMs;
-    for (int quiet = 0; quiet < 2;) {
-      const std::size_t worked = tasks_.runAll();
-      session_.update(now_);
-      const int taken = take();
-      acknowledge();
-      quiet = worked + static_cast<std::size_t>(taken) == 0 ? quiet + 1 : 0;
-      if (quiet == 2 && now_ < until) {
-        now_ += 50;
-        quiet = 0;
-      }
-    }
-  }
-
-  StreamDecoder& decoder(std::uint8_t channel = 0) { return decoders_[channel]; }
-
-  void note(const protocol::Message& message) {
-    const auto channel = protocol::channelOf(message.body);
-    std::visit([&](const auto& body) { take(channel, body); }, message.body);
-  }
-
-  void take(std::optional<std::uint8_t> channel, const protocol::ModelInfo& info) {
-    names_.push_back(std::string(info.name));
-    expectOk(decoders_[*channel].beginModel(info));
-  }
-
-  template <class Payload>
-
-  requires requires(StreamDecoder& d, const Payload& p) { d.take(p); }
-
-  void take(std::optional<std::uint8_t> channel, const Payload& payload) {
-    expectOk(decoders_[*channel].take(payload));
-  }
-
-  void take(std::optional<std::uint8_t>, const protocol::Settled& settled) {
-    settled_.push_back({settled.pose, settled.state});
-    heldWhenSettled_.push_back(decoders_[settled.channel].mesh().splitsHeld());
-  }
-
-  void take(std::optional<std::uint8_t>, const protocol::Failure& failure) {
-    failures_.push_back(failure.code);
-    failureChannels_.push_back(failure.channel);
-    failureTexts_.emplace_back(failure.message);
-  }
-
-  void take(std::optional<std::uint8_t>, const protocol::Catalogue& catalogue) {
-    catalogueSizes_.push_back(catalogue.models.size());
-  }
-
-  template <class Other>
-
-  requires(!requires(StreamDecoder & d, const Other& p) {
-    d.take(p);
-  }) void take(std::optional<std::uint8_t>, const Other&) {}
-
-  static void expectOk(const Result<void>& result) {
-    EXPECT_TRUE(result) << result.error().message;
-  }
-
-  ManualTasks tasks_;
-  FixedModels models_;
-  ViewCells cells_;
-  SessionShared shared_;
-  Session session_;
-  std::map<std::uint8_t, StreamDecoder> decoders_;
-  std::int64_t now_ = 0;
-  int wants_ = 0;
-  std::uint32_t poseId_ = 0;
-  std::uint64_t payload_ = 0;
-  std::uint64_t packetBytes_ = 0;
-  std::vector<std::string> names_;
-  std::vector<std::pair<std::uint32_t, Goal>> settled_;
-  std::vector<std::uint32_t> heldWhenSettled_;
-  std::vector<WireError> failures_;
-  std::vector<int> failureChannels_;
-  std::vector<std::string> failureTexts_;
-  std::vector<std::size_t> catalogueSizes_;
-};
 
 using SettledList = std::vector<std::pair<std::uint32_t, Goal>>;
 
@@ -377,7 +228,7 @@ TEST(Session, ANewPoseTakesEffectWithTheNextPacket) {
   link.session_.update(0);
   std::optional<std::uint32_t> last;
   while (!last) {
-    const auto out = link.session_.nextMessage();
+    const auto out = link.session_.nextMessage(link.now_);
     ASSERT_TRUE(out);
     const auto message = protocol::decodeMessage(out->bytes(), protocol::Sender::kServer);
     if (const auto* packet = message->as<protocol::Packet>()) last = packet->pose;
@@ -387,7 +238,7 @@ TEST(Session, ANewPoseTakesEffectWithTheNextPacket) {
   link.look({0, 0, -1}, Goal::kSettled);
   link.tasks_.runAll();
   link.session_.update(link.now_);
-  const auto out = link.session_.nextMessage();
+  const auto out = link.session_.nextMessage(link.now_);
   ASSERT_TRUE(out);
   const auto message = protocol::decodeMessage(out->bytes(), protocol::Sender::kServer);
   ASSERT_NE(message->as<protocol::Packet>(), nullptr);
@@ -422,7 +273,7 @@ TEST(Session, PacketsKeepToTheirSize) {
   link.look({0, 0, 1}, Goal::kComplete);
   std::size_t largest = 0;
   link.session_.update(0);
-  while (auto out = link.session_.nextMessage()) {
+  while (auto out = link.session_.nextMessage(link.now_)) {
     const auto message = protocol::decodeMessage(out->bytes(), protocol::Sender::kServer);
     if (message->as<protocol::Packet>() != nullptr)
       largest = std::max(largest, out->bytes().size());
@@ -472,7 +323,8 @@ TEST(Session, AResumedClientGetsOnlyWhatItLacks) {
       true,
       static_cast<std::uint32_t>(8 * half),
       std::span(bits).subspan(half),
-      true});
+      true,
+      second.decoder().seedBytesHeld()});
   second.look({0, 0, 1}, Goal::kComplete);
   second.settle();
   // The decoder refuses a split that it holds already, so nothing came twice.
@@ -581,36 +433,45 @@ TEST(Session, RandomOrderIsDecodableAndComplete) {
   }
 }
 
-TEST(Session, DroppedSplitsComeAgainOnlyWhenNeeded) {
+TEST(Session, DroppedSplitsComeAgainWhenNeeded) {
   Link link;
   link.hello();
   link.open("bumpy");
   link.look({1, 0, 0}, Goal::kSettled);
   link.settle();
-  // A closed set is left when a finest split goes.
+  // Nothing is built on the finest split.
   const SplitForest& forest = bumpy()->forest();
   VertexId finest = 0;
   for (VertexId v = forest.baseVertexCount(); v < forest.vertexCount(); ++v) {
     if (link.decoder().mesh().holds(v)) finest = v;
   }
-  const auto ids = encodeIdSet(std::vector<VertexId>{finest});
-  link.send(protocol::Drop{0, ids});
+  const std::vector<VertexId> ids{finest};
+  link.send(protocol::Drop{0, encodeIdSet(ids)});
+  ASSERT_TRUE(link.decoder().undo(ids));
   const auto before = link.packetBytes_;
-  // The decoder still holds it here, so what comes must be looked at, not decoded.
-  link.tasks_.runAll();
-  link.session_.update(link.now_);
-  link.tasks_.runAll();
-  link.session_.update(link.now_);
-  std::size_t packets = 0;
-  while (auto out = link.session_.nextMessage()) {
-    const auto message = protocol::decodeMessage(out->bytes(), protocol::Sender::kServer);
-    packets += message->as<protocol::Packet>() != nullptr ? 1 : 0;
+  link.settle();
+  EXPECT_EQ(link.drops_, 1);
+  EXPECT_TRUE(link.kept_->empty());
+  EXPECT_GT(link.packetBytes_, before) << "the pose needs it";
+  EXPECT_TRUE(link.decoder().mesh().holds(finest));
+}
+
+TEST(Session, RefusesToDropWhatIsNotHeld) {
+  Link link;
+  link.hello();
+  for (const std::uint8_t channel : {0, 1, 2}) {
+    link.open("bumpy", channel);
+    link.settle();
+    const VertexId last = bumpy()->forest().vertexCount() - 1;
+    const std::vector<std::uint8_t> ids = channel == 0   ? encodeIdSet(std::vector<VertexId>{last})
+                                          : channel == 1 ? encodeIdSet(std::vector<VertexId>{0})
+                                                         : std::vector<std::uint8_t>(6, 0xFF);
+    link.send(protocol::Drop{channel, ids});
+    link.take();
   }
-  EXPECT_EQ(packets, 1U) << "the pose needs it";
-  EXPECT_EQ(link.packetBytes_, before);
-  link.send(protocol::Drop{0, std::vector<std::uint8_t>{0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF}});
-  link.take();
-  EXPECT_EQ(link.failures_, std::vector{WireError::kBadMessage});
+  EXPECT_EQ(link.failures_, std::vector(3, WireError::kBadMessage));
+  EXPECT_EQ(link.failureChannels_, (std::vector{0, 1, 2}));
+  EXPECT_FALSE(link.session_.close());
 }
 
 TEST(Session, DrainTellsTheClientToMoveOn) {
