@@ -34,7 +34,6 @@ struct Arguments {
   std::string viewpoints = "8x5";
   std::string placement = "subset";
   std::string dumpMesh;
-  int hullFaces = 0;
   bool json = false;
   PrepareOptions options;
 };
@@ -176,7 +175,12 @@ int run(int argc, char** argv) {
          arguments.viewpoints,
          "Grid of viewpoints that seeds are prepared for")
       ->capture_default_str();
-  app.add_option("--hull-faces", arguments.hullFaces, "Not part of this release")->group("");
+  app.add_option(
+         "--hull-faces",
+         arguments.options.hullFaces,
+         "Faces of the hulls whose volumes are reported")
+      ->check(CLI::Range(4, 1000000))
+      ->capture_default_str();
   arguments.options.forest.threads = std::max(1U, std::thread::hardware_concurrency());
   app.add_option(
          "--threads",
@@ -199,9 +203,6 @@ int run(int argc, char** argv) {
   }
   if (arguments.placement != "subset") {
     return usageError("--placement volume is not part of this release; use subset");
-  }
-  if (arguments.hullFaces != 0) {
-    return usageError("--hull-faces: hulls are not part of this release; leave it out");
   }
   if (!arguments.dumpMesh.empty() && arguments.inputs.size() != 1) {
     return usageError("--dump-mesh needs a single input");

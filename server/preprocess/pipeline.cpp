@@ -3,6 +3,7 @@
 
 #include "server/preprocess/asset_sections.h"
 #include "server/preprocess/build_seeds.h"
+#include "server/preprocess/hulls.h"
 #include "server/preprocess/import.h"
 
 #include "shared/progressive/split_forest.h"
@@ -51,6 +52,7 @@ std::string describe(const PrepareOptions& options) {
   json["base_faces"] = options.forest.baseFaces;
   json["cost"] = static_cast<int>(options.forest.cost);
   json["crease_angle"] = options.forest.creaseAngleDegrees;
+  json["hull_faces"] = options.hullFaces;
   json["viewpoints"] = {options.seedAzimuths, options.seedElevations};
   return json.dump();
 }
@@ -81,12 +83,30 @@ Json repairsJson(const RepairCounts& repairs) {
 
 // The parts of the report that take shape stage by stage.
 struct Stages {
-  double import = 0, repair = 0, simplify = 0, encode = 0, seeds = 0;
+  double import = 0, repair = 0, hull = 0, simplify = 0, encode = 0, seeds = 0;
 };
+
+Json hullJson(const Hulls& hulls, std::uint32_t faces) {
+  if (!hulls.outer) return {{"reason", "no hull, because " + hulls.reason}};
+  const auto level = [&](const BuiltHull& built) {
+    const ProgressiveHull& hull = built.hull;
+    return Json{
+        {"faces", hull.facesAfter(hull.splitsFor(faces))},
+        {"volume", hullVolume(hull, faces)},
+        {"base_faces", hull.facesAfter(0)},
+        {"finest_faces", hull.facesAfter(hull.splits.size())},
+        {"clean_faces", built.cleanFaces}};
+  };
+  return {
+      {"outer", level(*hulls.outer)},
+      {"inner", level(*hulls.inner)},
+      {"mesh_volume", hulls.meshVolume}};
+}
 
 Json makeReport(
     const ImportedMesh& imported,
     const RepairedMesh& repaired,
+    const Hulls& hulls,
     const BuiltForest& built,
     const WireSections& sections,
     const PrepareOptions& options) {
@@ -131,19 +151,19 @@ Json makeReport(
       {"total", wireBytes(sections.info) + base + features + blocks + splits + seeds}};
   json["stream_bits_per_vertex"] =
       8.0 * static_cast<double>(base + blocks + splits) / forest.vertexCount();
-  json["hull"] = nullptr;
+  json["hull"] = hullJson(hulls, options.hullFaces);
   return json;
 }
 
 Json secondsJson(const Stages& stages) {
   const double total =
-      stages.import + stages.repair + stages.simplify + stages.encode + stages.seeds;
+      stages.import + stages.repair + stages.hull + stages.simplify + stages.encode + stages.seeds;
   return {
       {"import", stages.import},
       {"repair", stages.repair},
       {"simplify", stages.simplify},
       {"encode", stages.encode},
-      {"hull", 0.0},
+      {"hull", stages.hull},
       {"seeds", stages.seeds},
       {"cones", 0.0},
       {"maps", 0.0},
@@ -254,7 +274,12 @@ Result<PreparedModel> prepareModel(
   imported->polygonBegin = {};
   stages.repair = watch.lap();
 
-  progress("simplify", 0.2);
+  progress("hull", 0.2);
+  const Hulls hulls = buildHulls(repaired->mesh, options.hull, options.forest.threads);
+  if (hulls.filledHoles > 0) repaired->repairs["filled_holes"] = hulls.filledHoles;
+  stages.hull = watch.lap();
+
+  progress("simplify", 0.5);
   auto built = buildForest(repaired->mesh, options.forest);
   if (!built) return tl::unexpected(built.error().within(input.filename().string()));
   repaired->mesh.positions = {};
@@ -275,7 +300,7 @@ Result<PreparedModel> prepareModel(
   const WireSections wire = encodeWireSections(*built, *seeds, {*id, repaired->closed});
   stages.encode = watch.lap();
 
-  Json report = makeReport(*imported, *repaired, *built, wire, options);
+  Json report = makeReport(*imported, *repaired, hulls, *built, wire, options);
   report["seconds"] = secondsJson(stages);
   report["peak_rss_mib"] = peakRssMib();
   if (auto written = writeAsset(wire, built->forest, *id, report.dump(), store); !written) {

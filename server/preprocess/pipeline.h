@@ -2,6 +2,7 @@
 #pragma once
 
 #include "server/preprocess/build_forest.h"
+#include "server/preprocess/build_hull.h"
 #include "server/preprocess/repair.h"
 #include "server/store/asset_store.h"
 
@@ -20,6 +21,8 @@ struct PrepareOptions {
   ForestOptions forest;
   int seedAzimuths = 8;
   int seedElevations = 5;
+  HullOptions hull;
+  std::uint32_t hullFaces = 500;  // the level of the hulls that the report measures
 };
 
 struct PreparedModel {
