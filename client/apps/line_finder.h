@@ -18,7 +18,7 @@
 namespace limn {
 
 struct LineFinderOptions {
-  DetectorMethod detector = DetectorMethod::kCones;
+  DetectorMethod detector = DetectorMethod::kExact;
   SilhouetteKind silhouette = SilhouetteKind::kSmooth;
   FeatureChoice features;
   /// Model coordinates. Set: silhouettes are those that a light there sees, whatever the camera.

@@ -75,9 +75,7 @@ Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& option
     return wrong("--draw " + raw.draw + " is unknown: write strokes or shaded");
   }
   options.detectorName = raw.detector;
-  if (raw.detector == "exact") {
-    options.detector = DetectorMethod::kCones;
-  } else if (const auto method = detectorFromName(raw.detector)) {
+  if (const auto method = detectorFromName(raw.detector)) {
     options.detector = *method;
   } else {
     return wrong(

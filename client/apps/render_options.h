@@ -51,7 +51,7 @@ struct RenderCommandOptions {
 
   DrawMode draw = DrawMode::kStrokes;
   std::string detectorName = "exact";  // as reported
-  DetectorMethod detector = DetectorMethod::kCones;
+  DetectorMethod detector = DetectorMethod::kExact;
   SilhouetteKind silhouette = SilhouetteKind::kSmooth;
   std::optional<glm::dvec3> light;  // model coordinates; unset: silhouettes are the eye's
   FeatureChoice features;

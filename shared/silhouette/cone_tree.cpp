@@ -2,19 +2,29 @@
 // Based on: P. V. Sander et al., "Silhouette Clipping", SIGGRAPH 2000, section 5: a forest of
 // edge clusters with anchored cones.
 // Deviations: clusters are grown and then put in order by median splits (milliseconds) instead of
-// being joined greedily in pairs; eight children a node; all edges in leaves of a fixed layout.
-#include "shared/silhouette/cones.h"
+// being joined greedily in pairs; eight children a node; all edges in leaves of a fixed layout,
+// their planes in 16 bits.
+#include "shared/silhouette/cone_tree.h"
+
 #include "shared/silhouette/leaf_clusters.h"
 #include "shared/view/anchored_cone.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
 
 namespace limn::silhouette {
 namespace {
 
 constexpr std::size_t kFanOut = 8;
 
+std::int16_t toFixed(double value) {
+  return static_cast<std::int16_t>(std::lrint(std::clamp(value, -1.0, 1.0) * kPlaneScale));
+}
+
 // Turns clusters into leaves.
+template <class Leaf>
 class LeafPacker {
  public:
   explicit LeafPacker(const ItemSource& source)
@@ -22,137 +32,183 @@ class LeafPacker {
         stamps_(source.siteCount(), 0),
         locals_(source.siteCount(), 0) {}
 
+  /// The leaf's items and their sites; planes come once its centre is known.
   Leaf pack(std::span<const std::uint32_t> items, std::uint32_t itemBegin) {
     Leaf leaf{};
     leaf.itemBegin = itemBegin;
     leaf.itemCount = static_cast<std::uint8_t>(items.size());
     ++stamp_;
-    std::size_t sites = 0;
+    sites_.clear();
     for (std::size_t i = 0; i < items.size(); ++i) {
       const std::array<std::uint32_t, 3> itemSites = source_->sitesOf(items[i]);
-      for (std::size_t k = 0; k < 3; ++k) {
+      const std::array<std::uint32_t, 3> places = source_->placesOf(items[i]);
+      for (std::size_t k = 0; k < Leaf::kSitesPerItem; ++k) {
         const std::uint32_t site = itemSites[k];
         if (stamps_[site] != stamp_) {
           stamps_[site] = stamp_;
-          locals_[site] = static_cast<std::uint8_t>(sites);
-          store(leaf, sites++, source_->plane(site));
+          locals_[site] = static_cast<std::uint8_t>(sites_.size());
+          sites_.push_back(site);
         }
-        leaf.sites[k][i] = locals_[site];
+        leaf.sites[k][i] = static_cast<std::uint8_t>(locals_[site] | places[k] << 5);
       }
     }
-    leaf.siteCount = static_cast<std::uint8_t>(sites);
-    const glm::vec4 first = source_->plane(source_->sitesOf(items[0])[0]);
-    for (std::size_t local = sites; local < kLeafSites; ++local)
-      store(leaf, local, first);
+    leaf.siteCount = static_cast<std::uint8_t>(sites_.size());
     return leaf;
   }
 
- private:
-  static void store(Leaf& leaf, std::size_t local, const glm::vec4& plane) {
-    const std::size_t slot = Leaf::slotOf(local);
-    leaf.x[slot] = plane.x;
-    leaf.y[slot] = plane.y;
-    leaf.z[slot] = plane.z;
-    leaf.w[slot] = plane.w;
-  }
+  /// The sites of the leaf packed last, by their local number.
+  [[nodiscard]] std::span<const std::uint32_t> sites() const { return sites_; }
 
+ private:
   const ItemSource* source_;
   std::vector<std::uint32_t> stamps_;  // by site: the last leaf that took it
   std::vector<std::uint8_t> locals_;   // by site: its place in that leaf
+  std::vector<std::uint32_t> sites_;
   std::uint32_t stamp_ = 0;
 };
 
-// Fits the cones of every level over the leaves.
-class ConeFitter {
- public:
-  ConeFitter(std::span<const Clusters::Cluster> clusters, double tangentScale, ConeTree& tree)
-      : clusters_(clusters),
-        tangentScale_(tangentScale),
-        tree_(&tree) {}
+// Stores planes about `center`; unused slots repeat the first. Returns the leaf's radius.
+template <class Leaf>
+float storePlanes(std::span<const glm::vec4> planes, const glm::vec3& center, Leaf& leaf) {
+  std::array<glm::dvec4, kLeafSites> unit{};
+  double radius = 0.0;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const glm::dvec3 n(planes[i]);
+    const double length = glm::length(n);
+    if (length == 0.0) continue;  // back, whatever the eye: always in doubt
+    unit[i] = glm::dvec4(n, glm::dot(n, glm::dvec3(center)) + planes[i].w) / length;
+    radius = std::max(radius, std::abs(unit[i].w));
+  }
+  const auto bound = static_cast<float>(radius * (1.0 + 1e-6) + 1e-6);
+  for (std::size_t i = 0; i < kLeafSites; ++i) {
+    const glm::dvec4& plane = unit[i < planes.size() ? i : 0];
+    const std::size_t s = 2 * Leaf::slotOf(i);
+    leaf.xy[s] = toFixed(plane.x);
+    leaf.xy[s + 1] = toFixed(plane.y);
+    leaf.zd[s] = toFixed(plane.z);
+    leaf.zd[s + 1] = toFixed(plane.w / bound);
+  }
+  return bound;
+}
 
-  void fit() {
-    std::size_t children = tree_->leaves.size();
+void place(const AnchoredCone& cone, Node& node, std::size_t i) {
+  node.centerX[i] = cone.center.x;
+  node.centerY[i] = cone.center.y;
+  node.centerZ[i] = cone.center.z;
+  node.axisX[i] = cone.axis.x;
+  node.axisY[i] = cone.axis.y;
+  node.axisZ[i] = cone.axis.z;
+  node.front[i] = cone.front;
+  node.back[i] = cone.back;
+  node.cotSquared[i] = cone.cotSquared;
+}
+
+// Leaves and the cones of every level over them.
+template <class Leaf>
+class TreeBuilder {
+ public:
+  TreeBuilder(const ItemSource& source, const Clusters& clusters, double tangentScale)
+      : source_(&source),
+        clusters_(&clusters),
+        tangentScale_(tangentScale) {}
+
+  std::vector<Leaf> packLeaves(ConeTree& tree) {
+    std::vector<Leaf> leaves;
+    leaves.reserve(clusters_->clusters.size());
+    LeafPacker<Leaf> packer(*source_);
+    const auto items = std::span<const std::uint32_t>(clusters_->items);
+    for (const Clusters::Cluster& c : clusters_->clusters) {
+      leaves.push_back(packer.pack(items.subspan(c.begin, c.end - c.begin), c.begin));
+      planeBegin_.push_back(planes_.size());
+      for (const std::uint32_t site : packer.sites())
+        planes_.push_back(source_->plane(site));
+      radii_.push_back(storePlanes(
+          std::span<const glm::vec4>(planes_).subspan(planeBegin_.back()),
+          c.center,
+          leaves.back()));
+      if constexpr (Leaf::kSitesPerItem == 2) {
+        const std::size_t begin = tree.siteFaces.size();
+        tree.siteFaces.insert(tree.siteFaces.end(), packer.sites().begin(), packer.sites().end());
+        tree.siteFaces.resize(begin + kLeafSites, packer.sites()[0]);
+      }
+    }
+    planeBegin_.push_back(planes_.size());
+    return leaves;
+  }
+
+  std::vector<std::vector<Node>> fitLevels() {
+    std::vector<std::vector<Node>> levels;
+    std::size_t children = clusters_->clusters.size();
     std::size_t leavesPerChild = 1;
     while (children > 0) {
-      const std::size_t nodes = (children + kFanOut - 1) / kFanOut;
-      std::vector<Node> level(nodes, Node{});
-      for (std::size_t c = 0; c < children; ++c) {
-        const std::size_t begin = c * leavesPerChild;
-        const std::size_t end = std::min(begin + leavesPerChild, tree_->leaves.size());
-        place(fitLeaves(begin, end), level[c / kFanOut], c % kFanOut);
+      std::vector<Node> level((children + kFanOut - 1) / kFanOut, Node{});
+      for (std::size_t c = 0; c < children; ++c)
+        place(fit(c * leavesPerChild, leavesPerChild), level[c / kFanOut], c % kFanOut);
+      if (levels.empty()) {
+        for (std::size_t c = 0; c < children; ++c)
+          level[c / kFanOut].radius[c % kFanOut] = radii_[c];
       }
-      tree_->levels.push_back(std::move(level));
-      if (nodes <= kFanOut) break;
-      children = nodes;
+      children = level.size();
+      levels.push_back(std::move(level));
+      if (children <= kFanOut) break;
       leavesPerChild *= kFanOut;
     }
+    return levels;
   }
 
  private:
-  AnchoredCone fitLeaves(std::size_t begin, std::size_t end) {
-    planes_.clear();
+  AnchoredCone fit(std::size_t begin, std::size_t count) {
+    const std::size_t end = std::min(begin + count, clusters_->clusters.size());
     glm::vec3 sum(0.0F);
-    for (std::size_t l = begin; l < end; ++l) {
-      const Leaf& leaf = tree_->leaves[l];
-      for (std::size_t i = 0; i < leaf.siteCount; ++i) {
-        const std::size_t s = Leaf::slotOf(i);
-        planes_.emplace_back(leaf.x[s], leaf.y[s], leaf.z[s], leaf.w[s]);
-      }
-      sum += clusters_[l].center;
-    }
-    return fitAnchoredCone(planes_, sum / static_cast<float>(end - begin), tangentScale_);
+    for (std::size_t l = begin; l < end; ++l)
+      sum += clusters_->clusters[l].center;
+    const auto planes = std::span<const glm::vec4>(planes_).subspan(
+        planeBegin_[begin],
+        planeBegin_[end] - planeBegin_[begin]);
+    return fitAnchoredCone(planes, sum / static_cast<float>(end - begin), tangentScale_);
   }
 
-  static void place(const AnchoredCone& cone, Node& node, std::size_t i) {
-    node.centerX[i] = cone.center.x;
-    node.centerY[i] = cone.center.y;
-    node.centerZ[i] = cone.center.z;
-    node.axisX[i] = cone.axis.x;
-    node.axisY[i] = cone.axis.y;
-    node.axisZ[i] = cone.axis.z;
-    node.front[i] = cone.front;
-    node.back[i] = cone.back;
-    node.cotSquared[i] = cone.cotSquared;
-    node.children |= 1U << i;
-  }
-
-  std::span<const Clusters::Cluster> clusters_;
+  const ItemSource* source_;
+  const Clusters* clusters_;
   double tangentScale_;
-  ConeTree* tree_;
-  std::vector<glm::vec4> planes_;
+  std::vector<float> radii_;             // by leaf
+  std::vector<glm::vec4> planes_;        // of every leaf, one after the other
+  std::vector<std::size_t> planeBegin_;  // by leaf, and the end
 };
+
+template <class Leaf>
+std::vector<Leaf> buildLeaves(const SilhouetteField& field, double tangentScale, ConeTree& tree) {
+  const ItemSource source(field);
+  Clusters clusters = clusterItems(source, kLeafSites, Leaf::kMaxItems);
+  TreeBuilder<Leaf> builder(source, clusters, tangentScale);
+  auto leaves = builder.packLeaves(tree);
+  tree.levels = builder.fitLevels();
+  // |d|/|n| is the distance of a plane through a vertex, so at most the radius but for rounding.
+  tree.extent = 1.001F * source.extent();
+  if (field.kind() == SilhouetteKind::kSmooth) tree.faces = std::move(clusters.items);
+  return leaves;
+}
 
 }  // namespace
 
 std::size_t ConeTree::memoryBytes() const {
-  std::size_t bytes = leaves.capacity() * sizeof(Leaf) + ids.capacity() * sizeof(std::uint32_t);
+  std::size_t bytes = edgeLeaves.capacity() * sizeof(EdgeLeaf) +
+                      faceLeaves.capacity() * sizeof(FaceLeaf) +
+                      (siteFaces.capacity() + faces.capacity()) * sizeof(FaceId);
   for (const auto& level : levels)
     bytes += level.capacity() * sizeof(Node);
   return bytes;
 }
 
 ConeTree buildConeTree(const SilhouetteField& field, double tangentScale) {
-  const ItemSource source(field);
-  Clusters clusters = clusterItems(source, kLeafSites, kLeafItems);
   ConeTree tree;
-  tree.leaves.reserve(clusters.clusters.size());
-  LeafPacker packer(source);
-  for (const Clusters::Cluster& c : clusters.clusters) {
-    const auto items = std::span<const std::uint32_t>(clusters.items);
-    tree.leaves.push_back(packer.pack(items.subspan(c.begin, c.end - c.begin), c.begin));
-  }
-  ConeFitter(clusters.clusters, tangentScale, tree).fit();
-  if (field.kind() == SilhouetteKind::kSmooth) {
-    tree.ids = std::move(clusters.items);
+  if (field.kind() == SilhouetteKind::kEdges) {
+    tree.edgeLeaves = buildLeaves<EdgeLeaf>(field, tangentScale, tree);
   } else {
-    tree.ids.reserve(2 * clusters.items.size());
-    for (const HalfEdgeId h : clusters.items) {
-      tree.ids.push_back(h);
-      tree.ids.push_back(field.mesh().twins[h]);
-    }
+    tree.faceLeaves = buildLeaves<FaceLeaf>(field, tangentScale, tree);
   }
-  // |d|/|n| is the distance of a plane through a vertex, so at most the radius but for rounding.
-  tree.extent = 1.001F * source.extent();
+  tree.siteFaces.shrink_to_fit();
+  tree.faces.shrink_to_fit();
   return tree;
 }
 

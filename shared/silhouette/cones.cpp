@@ -3,126 +3,262 @@
 // SIGGRAPH 2000, section 5 (search with anchored cones).
 // Deviations: level by level instead of depth first, so that the next leaves can be fetched ahead;
 // eight cones at a time; in a leaf all planes first, packed to a mask, then all edges (or faces) by
-// table look-ups in that mask.
+// table look-ups in that mask; planes in 16 bits, decided exactly where that does not suffice.
 #include "shared/silhouette/cones.h"
 
 #include "shared/silhouette/cones_search.h"
 #include "shared/silhouette/simd.h"
 #include "shared/view/anchored_cone.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace limn {
 namespace silhouette {
-
-void openChildrenPortable(
-    std::span<const Node> level,
-    std::span<const std::uint32_t> parents,
-    const Query& query,
-    std::vector<std::uint32_t>& open) {
-  const glm::vec4& eye = query.eye;
-  for (const std::uint32_t n : parents) {
-    const Node& node = level[n];
-    std::uint32_t closed = 0;
-    for (std::uint32_t i = 0; i < 8; ++i) {
-      const float qx = eye.x - node.centerX[i] * eye.w;
-      const float qy = eye.y - node.centerY[i] * eye.w;
-      const float qz = eye.z - node.centerZ[i] * eye.w;
-      const float along = qx * node.axisX[i] + qy * node.axisY[i] + qz * node.axisZ[i];
-      const float square = qx * qx + qy * qy + qz * qz;
-      const float across = (square - along * along) + ConeSlack::kSquare * square;
-      const float inFront = (along - node.front[i] * eye.w) - query.slack;
-      const float inBack = (along - node.back[i] * eye.w) + query.slack;
-      const bool isFront = inFront > 0.0F && inFront * inFront * node.cotSquared[i] >= across;
-      const bool isBack = inBack < 0.0F && inBack * inBack * node.cotSquared[i] >= across;
-      closed |= static_cast<std::uint32_t>(isFront || isBack) << i;
-    }
-    appendChildren(n, node.children & ~closed, open);
-  }
-}
-
 namespace {
 
-LeafHits testLeaf(const Leaf& leaf, const glm::vec4& eye) {
-  std::array<std::uint8_t, kLeafSites> front;
-  std::uint32_t count = 0;
-  for (std::size_t i = 0; i < kLeafSites; ++i) {
-    const std::size_t s = Leaf::slotOf(i);
-    const glm::vec4 plane(leaf.x[s], leaf.y[s], leaf.z[s], leaf.w[s]);
-    front[i] = SilhouetteField::valueAt(plane, eye) > 0.0F ? 1 : 0;
-    count += front[i];
+// The eye as seen from child i of a node.
+glm::vec3 toEye(const Query& query, const Node& node, std::size_t i) {
+  return glm::vec3(query.eye) -
+         glm::vec3(node.centerX[i], node.centerY[i], node.centerZ[i]) * query.eye.w;
+}
+
+std::uint32_t openOf(const Query& query, const Node& node) {
+  const glm::vec4& eye = query.eye;
+  std::uint32_t open = 0;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const glm::vec3 q = toEye(query, node, i);
+    const float along = q.x * node.axisX[i] + q.y * node.axisY[i] + q.z * node.axisZ[i];
+    const float square = q.x * q.x + q.y * q.y + q.z * q.z;
+    const float across = (square - along * along) + ConeSlack::kSquare * square;
+    const float inFront = (along - node.front[i] * eye.w) - query.slack;
+    const float inBack = (along - node.back[i] * eye.w) + query.slack;
+    const bool isFront = inFront > 0.0F && inFront * inFront * node.cotSquared[i] >= across;
+    const bool isBack = inBack < 0.0F && inBack * inBack * node.cotSquared[i] >= across;
+    open |= static_cast<std::uint32_t>(!(isFront || isBack)) << i;
   }
+  return open;
+}
+
+std::int32_t pair(float low, float high) {
+  const auto l = static_cast<std::uint32_t>(std::lrint(low)) & 0xFFFFU;
+  const auto h = static_cast<std::uint32_t>(std::lrint(high)) << 16;
+  return static_cast<std::int32_t>(l | h);
+}
+
+OpenLeaf openLeaf(const Query& query, const Node& node, std::uint32_t n, std::uint32_t i) {
+  const glm::vec3 q = toEye(query, node, i);
+  const float inverse = 1.0F / std::sqrt(std::max(glm::dot(q, q), 1e-30F));
+  const float nearness = node.radius[i] * query.eye.w * inverse;
+  const float rounding = query.slack * kRoundingShare * inverse * (kPlaneScale * kPlaneScale);
+  const glm::vec3 u = q * (inverse * kPlaneScale);
+  OpenLeaf open;
+  open.leaf = 8 * n + i;
+  open.eyeXy = pair(u.x, u.y);
+  open.eyeZw = pair(u.z, std::min(nearness, kNearest) * kPlaneScale);
+  const bool isSure = nearness <= kNearest && rounding < kMostRounding;
+  open.doubt = isSure ? static_cast<std::int32_t>(kPlaneError + rounding) : kNothingSure;
+  return open;
+}
+
+template <class Leaf>
+LeafHits testLeaf(const Query& query, const OpenLeaf& open, const Leaf& leaf) {
+  const std::int32_t ex = static_cast<std::int16_t>(open.eyeXy & 0xFFFF);
+  const std::int32_t ey = open.eyeXy >> 16;
+  const std::int32_t ez = static_cast<std::int16_t>(open.eyeZw & 0xFFFF);
+  const std::int32_t ew = open.eyeZw >> 16;
+  std::uint32_t front = 0;
+  std::uint32_t doubtful = 0;
+  for (std::size_t i = 0; i < kLeafSites; ++i) {
+    const std::size_t s = 2 * Leaf::slotOf(i);
+    const std::int32_t value =
+        (leaf.xy[s] * ex + leaf.xy[s + 1] * ey) + (leaf.zd[s] * ez + leaf.zd[s + 1] * ew);
+    front |= static_cast<std::uint32_t>(value > open.doubt) << i;
+    doubtful |= static_cast<std::uint32_t>(value <= open.doubt && value >= -open.doubt) << i;
+  }
+  if (doubtful != 0) front = settleDoubts(query, open.leaf, leaf, front, doubtful);
   LeafHits found;
-  if (count == 0 || count == kLeafSites) return found;
+  if (front == 0 || front == 0xFFFFFFFFU) return found;
+  const auto sideOf = [&](std::size_t k, std::size_t i) {
+    return std::uint64_t{front >> (leaf.sites[k][i] & 31U) & 1U};
+  };
   for (std::size_t i = 0; i < leaf.itemCount; ++i) {
-    const std::uint64_t a = front[leaf.sites[0][i]];
-    const std::uint64_t b = front[leaf.sites[1][i]];
-    const std::uint64_t c = front[leaf.sites[2][i]];
-    found.differing |= ((a ^ b) | (a ^ c)) << i;
+    const std::uint64_t a = sideOf(0, i);
+    std::uint64_t differs = a ^ sideOf(1, i);
+    if constexpr (Leaf::kSitesPerItem == 3) differs |= a ^ sideOf(2, i);
+    found.differing |= differs << i;
     found.firstIsFront |= a << i;
   }
   return found;
 }
 
+std::uint32_t siteOf(const Query& query, std::uint32_t leafIndex, const EdgeLeaf&, std::size_t i) {
+  return query.tree->siteFaces[kLeafSites * std::size_t{leafIndex} + i];
+}
+
+std::uint32_t siteOf(const Query& query, std::uint32_t, const FaceLeaf& leaf, std::size_t i) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto begin = leaf.sites[k].begin();
+    const auto at = std::find(begin, begin + leaf.itemCount, static_cast<std::uint8_t>(i));
+    if (at == begin + leaf.itemCount) continue;
+    const FaceId f = query.tree->faces[leaf.itemBegin + static_cast<std::size_t>(at - begin)];
+    return query.field->mesh().origins[3 * f + k];
+  }
+  return 0;  // no site is without an item
+}
+
 }  // namespace
 
-void searchLeavesPortable(
-    const ConeTree& tree,
-    std::span<const std::uint32_t> leaves,
+template <class Leaf>
+std::uint32_t settleDoubts(
     const Query& query,
-    SilhouetteResult& result) {
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
-    prefetchAhead(tree, leaves, i);
-    const Leaf& leaf = tree.leaves[leaves[i]];
-    collect(tree, leaf, testLeaf(leaf, query.eye), result);
+    std::uint32_t leafIndex,
+    const Leaf& leaf,
+    std::uint32_t front,
+    std::uint32_t doubtful) {
+  front &= ~doubtful;
+  for (std::uint32_t i = 0; i < leaf.siteCount; ++i) {
+    if ((doubtful >> i & 1U) == 0) continue;
+    const std::uint32_t site = siteOf(query, leafIndex, leaf, i);
+    front |= static_cast<std::uint32_t>(query.field->isFront(site, query.eye)) << i;
+  }
+  // Unused slots are like site 0.
+  const std::uint32_t used =
+      leaf.siteCount == kLeafSites ? 0xFFFFFFFFU : (1U << leaf.siteCount) - 1;
+  return (front & 1U) != 0 ? front | ~used : front & used;
+}
+
+template std::uint32_t
+settleDoubts<EdgeLeaf>(const Query&, std::uint32_t, const EdgeLeaf&, std::uint32_t, std::uint32_t);
+template std::uint32_t
+settleDoubts<FaceLeaf>(const Query&, std::uint32_t, const FaceLeaf&, std::uint32_t, std::uint32_t);
+
+void openChildrenPortable(
+    const Query& query,
+    std::size_t level,
+    std::span<const std::uint32_t> parents,
+    std::vector<std::uint32_t>& open) {
+  const std::vector<Node>& nodes = query.tree->levels[level];
+  const std::size_t children = query.tree->childrenOf(level);
+  for (const std::uint32_t n : parents)
+    appendChildren(n, openOf(query, nodes[n]) & existing(children, n), open);
+}
+
+void openLeavesPortable(
+    const Query& query,
+    std::span<const std::uint32_t> parents,
+    std::vector<OpenLeaf>& open) {
+  const std::vector<Node>& nodes = query.tree->levels[0];
+  const std::size_t children = query.tree->leafCount();
+  for (const std::uint32_t n : parents) {
+    for (std::uint32_t mask = openOf(query, nodes[n]) & existing(children, n); mask != 0;
+         mask &= mask - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(mask));
+      open.push_back(openLeaf(query, nodes[n], n, i));
+    }
+  }
+}
+
+void searchLeavesPortable(
+    const Query& query,
+    std::span<const OpenLeaf> leaves,
+    SilhouetteResult& result,
+    std::vector<std::uint32_t>* hits) {
+  if (result.kind == SilhouetteKind::kEdges) {
+    searchWith<EdgeLeaf>(query, leaves, result, hits, testLeaf<EdgeLeaf>);
+  } else {
+    searchWith<FaceLeaf>(query, leaves, result, hits, testLeaf<FaceLeaf>);
   }
 }
 
 }  // namespace silhouette
 
-ConesDetector::ConesDetector(const SilhouetteField& field, const DetectorOptions& options)
+ConesDetector::ConesDetector(
+    const SilhouetteField& field,
+    const DetectorOptions& options,
+    Order order)
     : field_(&field),
       useAvx2_(options.vectorized && silhouette::hasAvx2()),
-      tree_(silhouette::buildConeTree(field, options.coneTangentScale)) {}
+      order_(order),
+      tree_(silhouette::buildConeTree(field, options.coneTangentScale)) {
+  if (order == Order::kLastFrameFirst) wasHit_.assign(tree_.leafCount(), 0);
+}
 
 const SilhouetteResult& ConesDetector::detect(const SilhouetteView& view) {
   result_.kind = field_->kind();
   result_.edges.clear();
   result_.faces.clear();
   result_.stats = {};
-  silhouette::Query query;
-  query.eye = field_->eyeOf(view);
+  silhouette::Query query{field_, &tree_, field_->eyeOf(view), 0.0F};
   query.slack =
       ConeSlack::kDistance * (glm::length(glm::vec3(query.eye)) + tree_.extent * query.eye.w);
-
-  auto openChildren = silhouette::openChildrenPortable;
   auto searchLeaves = silhouette::searchLeavesPortable;
 #if LIMN_SILHOUETTE_AVX2
-  if (useAvx2_) {
-    openChildren = silhouette::openChildrenAvx2;
-    searchLeaves = silhouette::searchLeavesAvx2;
-  }
+  if (useAvx2_) searchLeaves = silhouette::searchLeavesAvx2;
 #endif
-  frontier_.clear();
-  if (!tree_.levels.empty()) {
-    for (std::uint32_t n = 0; n < tree_.levels.back().size(); ++n)
-      frontier_.push_back(n);
+  openTree(query);
+  if (order_ == Order::kTree) {
+    searchLeaves(query, open_, result_, nullptr);
+  } else {
+    putLastFrameFirst();
+    searchLeaves(query, open_, result_, &hits_);
   }
-  for (std::size_t l = tree_.levels.size(); l-- > 0;) {
-    result_.stats.clustersTested += static_cast<std::uint32_t>(8 * frontier_.size());
-    below_.clear();
-    openChildren(tree_.levels[l], frontier_, query, below_);
-    std::swap(frontier_, below_);
-  }
-  searchLeaves(tree_, frontier_, query, result_);
   result_.stats.segments = static_cast<std::uint32_t>(result_.edges.size() + result_.faces.size());
   return result_;
 }
 
+// Every leaf that may hold silhouettes.
+void ConesDetector::openTree(const silhouette::Query& query) {
+  auto openChildren = silhouette::openChildrenPortable;
+  auto openLeaves = silhouette::openLeavesPortable;
+#if LIMN_SILHOUETTE_AVX2
+  if (useAvx2_) {
+    openChildren = silhouette::openChildrenAvx2;
+    openLeaves = silhouette::openLeavesAvx2;
+  }
+#endif
+  open_.clear();
+  frontier_.clear();
+  if (tree_.levels.empty()) return;
+  for (std::uint32_t n = 0; n < tree_.levels.back().size(); ++n)
+    frontier_.push_back(n);
+  for (std::size_t l = tree_.levels.size() - 1; l > 0; --l) {
+    result_.stats.clustersTested += static_cast<std::uint32_t>(8 * frontier_.size());
+    below_.clear();
+    openChildren(query, l, frontier_, below_);
+    std::swap(frontier_, below_);
+  }
+  result_.stats.clustersTested += static_cast<std::uint32_t>(8 * frontier_.size());
+  openLeaves(query, frontier_, open_);
+}
+
+// Leaves that held silhouettes in the last frame before the others; no branch to be mispredicted.
+void ConesDetector::putLastFrameFirst() {
+  for (const std::uint32_t leaf : hits_)
+    wasHit_[leaf] = 1;
+  others_.resize(open_.size());
+  std::size_t first = 0;
+  std::size_t other = 0;
+  for (const silhouette::OpenLeaf open : open_) {
+    const std::size_t isFirst = wasHit_[open.leaf];
+    others_[other] = open;
+    open_[first] = open;
+    first += isFirst;
+    other += 1 - isFirst;
+  }
+  std::copy_n(others_.begin(), other, open_.begin() + static_cast<std::ptrdiff_t>(first));
+  for (const std::uint32_t leaf : hits_)
+    wasHit_[leaf] = 0;
+  hits_.clear();
+}
+
 std::size_t ConesDetector::memoryBytes() const {
-  return tree_.memoryBytes() + (frontier_.capacity() + below_.capacity() +
-                                result_.edges.capacity() + result_.faces.capacity()) *
-                                   sizeof(std::uint32_t);
+  return tree_.memoryBytes() + wasHit_.size() +
+         (open_.capacity() + others_.capacity()) * sizeof(silhouette::OpenLeaf) +
+         (frontier_.capacity() + below_.capacity() + hits_.capacity() + result_.edges.capacity() +
+          result_.faces.capacity()) *
+             sizeof(std::uint32_t);
 }
 
 }  // namespace limn

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loops of cones.cpp eight lanes at a time. Planes: the same operations in the same order, so
-// the same bits. Cones: within the slack they allow for.
+// The loops of cones.cpp eight lanes at a time. Planes: the same integers. Cones: within the slack
+// they allow for.
 #include "shared/silhouette/cones_search.h"
 #include "shared/view/anchored_cone.h"
 
@@ -32,22 +32,33 @@ LIMN_TARGET_AVX2 inline __m256 relative(__m256 eye, const float* center, __m256 
   return _mm256_sub_ps(eye, _mm256_mul_ps(_mm256_load_ps(center), w));
 }
 
-LIMN_TARGET_AVX2 inline std::uint32_t openOf(const Node& node, const Eye8& eye, __m256 slack) {
+// Where the eye is from eight children.
+struct ToEye8 {
+  __m256 x, y, z, square;
+};
+
+LIMN_TARGET_AVX2 inline ToEye8 toEyeOf(const Node& node, const Eye8& eye) {
+  ToEye8 q;
+  q.x = relative(eye.x, node.centerX.data(), eye.w);
+  q.y = relative(eye.y, node.centerY.data(), eye.w);
+  q.z = relative(eye.z, node.centerZ.data(), eye.w);
+  q.square = dot(q.x, q.y, q.z, q.x, q.y, q.z);
+  return q;
+}
+
+LIMN_TARGET_AVX2 inline std::uint32_t
+openOf(const Node& node, const Eye8& eye, const ToEye8& q, __m256 slack) {
   const __m256 zero = _mm256_setzero_ps();
-  const __m256 qx = relative(eye.x, node.centerX.data(), eye.w);
-  const __m256 qy = relative(eye.y, node.centerY.data(), eye.w);
-  const __m256 qz = relative(eye.z, node.centerZ.data(), eye.w);
   const __m256 along =
-      dot(qx,
-          qy,
-          qz,
+      dot(q.x,
+          q.y,
+          q.z,
           _mm256_load_ps(node.axisX.data()),
           _mm256_load_ps(node.axisY.data()),
           _mm256_load_ps(node.axisZ.data()));
-  const __m256 square = dot(qx, qy, qz, qx, qy, qz);
   const __m256 across = _mm256_add_ps(
-      _mm256_sub_ps(square, _mm256_mul_ps(along, along)),
-      _mm256_mul_ps(_mm256_set1_ps(ConeSlack::kSquare), square));
+      _mm256_sub_ps(q.square, _mm256_mul_ps(along, along)),
+      _mm256_mul_ps(_mm256_set1_ps(ConeSlack::kSquare), q.square));
   const __m256 front = _mm256_mul_ps(_mm256_load_ps(node.front.data()), eye.w);
   const __m256 back = _mm256_mul_ps(_mm256_load_ps(node.back.data()), eye.w);
   const __m256 inFront = _mm256_sub_ps(_mm256_sub_ps(along, front), slack);
@@ -61,16 +72,22 @@ LIMN_TARGET_AVX2 inline std::uint32_t openOf(const Node& node, const Eye8& eye, 
       _mm256_mul_ps(_mm256_mul_ps(depth, depth), _mm256_load_ps(node.cotSquared.data()));
   const __m256 closed =
       _mm256_and_ps(_mm256_or_ps(isInFront, isInBack), _mm256_cmp_ps(reach, across, _CMP_GE_OQ));
-  return node.children & ~static_cast<std::uint32_t>(_mm256_movemask_ps(closed));
+  return ~static_cast<std::uint32_t>(_mm256_movemask_ps(closed)) & 0xFFU;
 }
 
-// All ones where the planes of eight slots are front.
-LIMN_TARGET_AVX2 inline __m256i frontOfEight(const Leaf& leaf, std::size_t s, const Eye8& eye) {
-  __m256 value = _mm256_mul_ps(_mm256_load_ps(&leaf.x[s]), eye.x);
-  value = _mm256_add_ps(value, _mm256_mul_ps(_mm256_load_ps(&leaf.y[s]), eye.y));
-  value = _mm256_add_ps(value, _mm256_mul_ps(_mm256_load_ps(&leaf.z[s]), eye.z));
-  value = _mm256_add_ps(value, _mm256_mul_ps(_mm256_load_ps(&leaf.w[s]), eye.w));
-  return _mm256_castps_si256(_mm256_cmp_ps(value, _mm256_setzero_ps(), _CMP_GT_OQ));
+// 1 / √x to within 2⁻²²: the estimate (2⁻¹¹) and one step of Newton's.
+LIMN_TARGET_AVX2 inline __m256 inverseRoot(__m256 x) {
+  const __m256 guess = _mm256_rsqrt_ps(x);
+  const __m256 half = _mm256_mul_ps(_mm256_set1_ps(0.5F), _mm256_mul_ps(x, guess));
+  return _mm256_mul_ps(guess, _mm256_sub_ps(_mm256_set1_ps(1.5F), _mm256_mul_ps(half, guess)));
+}
+
+// Rounded to 16 bits each: the first in the low halves, the second in the high ones.
+LIMN_TARGET_AVX2 inline __m256i pairs(__m256 low, __m256 high) {
+  return _mm256_blend_epi16(
+      _mm256_cvtps_epi32(low),
+      _mm256_slli_epi32(_mm256_cvtps_epi32(high), 16),
+      0xAA);
 }
 
 // A leaf's facing as a table of 32 bytes, each half in both lanes.
@@ -99,61 +116,151 @@ LIMN_TARGET_AVX2 inline __m256i load16(const std::uint8_t* bytes) {
   return _mm256_zextsi128_si256(_mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes)));
 }
 
-LIMN_TARGET_AVX2 inline __m256i
-differing(const FacingTable& table, __m256i first, __m256i b, __m256i c) {
-  return _mm256_or_si256(
-      _mm256_xor_si256(first, lookUp(table, b)),
-      _mm256_xor_si256(first, lookUp(table, c)));
+// Bit i of the mask as byte i, all ones or none.
+LIMN_TARGET_AVX2 inline __m256i bytesOf(std::uint32_t mask) {
+  const __m256i spread = _mm256_shuffle_epi8(
+      _mm256_set1_epi32(static_cast<int>(mask)),
+      _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303));
+  const __m256i bit = _mm256_set1_epi64x(static_cast<long long>(0x8040201008040201ULL));
+  return _mm256_cmpeq_epi8(_mm256_and_si256(spread, bit), bit);
 }
 
-LIMN_TARGET_AVX2 inline LeafHits testLeaf(const Leaf& leaf, const Eye8& eye) {
-  const __m256i ab = _mm256_packs_epi32(frontOfEight(leaf, 0, eye), frontOfEight(leaf, 8, eye));
-  const __m256i cd = _mm256_packs_epi32(frontOfEight(leaf, 16, eye), frontOfEight(leaf, 24, eye));
-  const __m256i front = _mm256_packs_epi16(ab, cd);
-  LeafHits found;
-  const std::uint64_t mask = maskOf(front);
-  if (mask == 0 || mask == 0xFFFFFFFFU) return found;
+// Four comparisons of eight as bytes in the order of sites.
+LIMN_TARGET_AVX2 inline __m256i packed(__m256i a, __m256i b, __m256i c, __m256i d) {
+  return _mm256_packs_epi16(_mm256_packs_epi32(a, b), _mm256_packs_epi32(c, d));
+}
+
+// Items `rows` bytes on: which differ, and which have site [0] in front.
+template <class Leaf, class Load>
+LIMN_TARGET_AVX2 inline __attribute__((always_inline)) LeafHits
+lookUpItems(const FacingTable& table, const Leaf& leaf, std::size_t from, Load load) {
+  const __m256i first = lookUp(table, load(leaf.sites[0].data() + from));
+  __m256i differs = _mm256_xor_si256(first, lookUp(table, load(leaf.sites[1].data() + from)));
+  if constexpr (Leaf::kSitesPerItem == 3) {
+    const __m256i third = lookUp(table, load(leaf.sites[2].data() + from));
+    differs = _mm256_or_si256(differs, _mm256_xor_si256(first, third));
+  }
+  return {maskOf(differs), maskOf(first)};
+}
+
+template <class Leaf>
+LIMN_TARGET_AVX2 inline __attribute__((always_inline)) LeafHits
+testLeaf(const Query& query, const OpenLeaf& open, const Leaf& leaf) {
+  const __m256i eyeXy = _mm256_set1_epi32(open.eyeXy);
+  const __m256i eyeZw = _mm256_set1_epi32(open.eyeZw);
+  const __m256i above = _mm256_set1_epi32(open.doubt);
+  const __m256i below = _mm256_set1_epi32(-open.doubt - 1);
+  __m256i isFront[4];
+  __m256i isNotBack[4];
+  for (std::size_t j = 0; j < 4; ++j) {
+    const auto* xy = reinterpret_cast<const __m256i*>(leaf.xy.data() + 16 * j);
+    const auto* zd = reinterpret_cast<const __m256i*>(leaf.zd.data() + 16 * j);
+    const __m256i value = _mm256_add_epi32(
+        _mm256_madd_epi16(_mm256_load_si256(xy), eyeXy),
+        _mm256_madd_epi16(_mm256_load_si256(zd), eyeZw));
+    isFront[j] = _mm256_cmpgt_epi32(value, above);
+    isNotBack[j] = _mm256_cmpgt_epi32(value, below);
+  }
+  __m256i front = packed(isFront[0], isFront[1], isFront[2], isFront[3]);
+  const __m256i notBack = packed(isNotBack[0], isNotBack[1], isNotBack[2], isNotBack[3]);
+  auto mask = static_cast<std::uint32_t>(maskOf(front));
+  const auto doubtful = mask ^ static_cast<std::uint32_t>(maskOf(notBack));
+  if (doubtful != 0) [[unlikely]] {
+    mask = settleDoubts(query, open.leaf, leaf, mask, doubtful);
+    front = bytesOf(mask);
+  }
   const FacingTable table = {
       _mm256_permute2x128_si256(front, front, 0x00),
       _mm256_permute2x128_si256(front, front, 0x11)};
-  const auto& sites = leaf.sites;
-  const __m256i first = lookUp(table, load32(sites[0].data()));
-  found.differing =
-      maskOf(differing(table, first, load32(sites[1].data()), load32(sites[2].data())));
-  found.firstIsFront = maskOf(first);
-  if (leaf.itemCount > 32) {
-    const __m256i rest = lookUp(table, load16(sites[0].data() + 32));
-    const std::uint64_t hits =
-        maskOf(differing(table, rest, load16(sites[1].data() + 32), load16(sites[2].data() + 32)));
-    found.differing |= (hits & 0xFFFFU) << 32;
-    found.firstIsFront |= (maskOf(rest) & 0xFFFFU) << 32;
-  }
+  // Always both parts: how many items a leaf has is past guessing.
+  LeafHits found = lookUpItems(table, leaf, 0, load32);
+  const LeafHits rest = lookUpItems(table, leaf, 32, load16);
+  found.differing |= rest.differing << 32;
+  found.firstIsFront |= rest.firstIsFront << 32;
+  // A row may end before the bytes read.
+  found.differing &= (std::uint64_t{1} << leaf.itemCount) - 1;
   return found;
 }
 
 }  // namespace
 
 LIMN_TARGET_AVX2 void openChildrenAvx2(
-    std::span<const Node> level,
-    std::span<const std::uint32_t> parents,
     const Query& query,
+    std::size_t level,
+    std::span<const std::uint32_t> parents,
     std::vector<std::uint32_t>& open) {
+  const std::vector<Node>& nodes = query.tree->levels[level];
+  const std::size_t children = query.tree->childrenOf(level);
   const Eye8 eye = broadcast(query.eye);
   const __m256 slack = _mm256_set1_ps(query.slack);
-  for (const std::uint32_t n : parents)
-    appendChildren(n, openOf(level[n], eye, slack), open);
+  for (const std::uint32_t n : parents) {
+    const std::uint32_t mask = openOf(nodes[n], eye, toEyeOf(nodes[n], eye), slack);
+    appendChildren(n, mask & existing(children, n), open);
+  }
+}
+
+LIMN_TARGET_AVX2 void openLeavesAvx2(
+    const Query& query,
+    std::span<const std::uint32_t> parents,
+    std::vector<OpenLeaf>& open) {
+  const std::vector<Node>& nodes = query.tree->levels[0];
+  const std::size_t leaves = query.tree->leafCount();
+  const Eye8 eye = broadcast(query.eye);
+  const __m256 slack = _mm256_set1_ps(query.slack);
+  const __m256 scale = _mm256_set1_ps(kPlaneScale);
+  const __m256 nearest = _mm256_set1_ps(kNearest);
+  const __m256 rounding =
+      _mm256_set1_ps(query.slack * kRoundingShare * (kPlaneScale * kPlaneScale));
+  open.resize(8 * parents.size() + 4);
+  std::size_t count = 0;
+  for (const std::uint32_t n : parents) {
+    const ToEye8 q = toEyeOf(nodes[n], eye);
+    std::uint32_t mask = openOf(nodes[n], eye, q, slack) & existing(leaves, n);
+    if (mask == 0) continue;
+    const __m256 square = _mm256_max_ps(q.square, _mm256_set1_ps(1e-30F));
+    const __m256 inverse = inverseRoot(square);
+    const __m256 factor = _mm256_mul_ps(inverse, scale);
+    const __m256 nearness =
+        _mm256_mul_ps(_mm256_mul_ps(_mm256_load_ps(nodes[n].radius.data()), eye.w), inverse);
+    const __m256 roundings = _mm256_mul_ps(rounding, inverse);
+    const __m256 isSure = _mm256_and_ps(
+        _mm256_cmp_ps(nearness, nearest, _CMP_LE_OQ),
+        _mm256_cmp_ps(roundings, _mm256_set1_ps(kMostRounding), _CMP_LT_OQ));
+    const __m256i doubt = _mm256_cvtps_epi32(_mm256_add_ps(roundings, _mm256_set1_ps(kPlaneError)));
+    const __m256i xy = pairs(_mm256_mul_ps(q.x, factor), _mm256_mul_ps(q.y, factor));
+    const __m256i zw =
+        pairs(_mm256_mul_ps(q.z, factor), _mm256_mul_ps(_mm256_min_ps(nearness, nearest), scale));
+    alignas(32) std::int32_t xys[8];
+    alignas(32) std::int32_t zws[8];
+    alignas(32) std::int32_t doubts[8];
+    _mm256_store_si256(reinterpret_cast<__m256i*>(xys), xy);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(zws), zw);
+    _mm256_store_si256(
+        reinterpret_cast<__m256i*>(doubts),
+        _mm256_blendv_epi8(_mm256_set1_epi32(kNothingSure), doubt, _mm256_castps_si256(isSure)));
+    // Four at a time, as in collect().
+    const auto children = static_cast<std::size_t>(std::popcount(mask));
+    for (std::size_t c = 0; c < children; c += 4) {
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::uint32_t i = static_cast<std::uint32_t>(std::countr_zero(mask)) & 7U;
+        open[count + c + k] = {8 * n + i, xys[i], zws[i], doubts[i]};
+        mask &= mask - 1;
+      }
+    }
+    count += children;
+  }
+  open.resize(count);
 }
 
 LIMN_TARGET_AVX2 void searchLeavesAvx2(
-    const ConeTree& tree,
-    std::span<const std::uint32_t> leaves,
     const Query& query,
-    SilhouetteResult& result) {
-  const Eye8 eye = broadcast(query.eye);
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
-    prefetchAhead(tree, leaves, i);
-    const Leaf& leaf = tree.leaves[leaves[i]];
-    collect(tree, leaf, testLeaf(leaf, eye), result);
+    std::span<const OpenLeaf> leaves,
+    SilhouetteResult& result,
+    std::vector<std::uint32_t>* hits) {
+  if (result.kind == SilhouetteKind::kEdges) {
+    searchWith<EdgeLeaf>(query, leaves, result, hits, testLeaf<EdgeLeaf>);
+  } else {
+    searchWith<FaceLeaf>(query, leaves, result, hits, testLeaf<FaceLeaf>);
   }
 }
 

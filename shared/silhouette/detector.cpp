@@ -16,9 +16,10 @@
 namespace limn {
 namespace {
 
-constexpr std::array<DetectorMethod, 7> kMethods = {
+constexpr std::array<DetectorMethod, 8> kMethods = {
     DetectorMethod::kBrute,
     DetectorMethod::kCones,
+    DetectorMethod::kExact,
     DetectorMethod::kRandom,
     DetectorMethod::kCoherenceA,
     DetectorMethod::kCoherenceB,
@@ -29,6 +30,7 @@ constexpr std::array<DetectorMethod, 7> kMethods = {
 constexpr std::array<std::pair<DetectorMethod, std::string_view>, kMethods.size()> kNames = {{
     {DetectorMethod::kBrute, "brute"},
     {DetectorMethod::kCones, "cones"},
+    {DetectorMethod::kExact, "exact"},
     {DetectorMethod::kRandom, "random"},
     {DetectorMethod::kCoherenceA, "coherence-a"},
     {DetectorMethod::kCoherenceB, "coherence-b"},
@@ -76,7 +78,9 @@ makeDetector(DetectorMethod method, const SilhouetteField& field, const Detector
     case DetectorMethod::kBrute:
       return std::make_unique<BruteForceDetector>(field, options);
     case DetectorMethod::kCones:
-      return std::make_unique<ConesDetector>(field, options);
+      return std::make_unique<ConesDetector>(field, options, ConesDetector::Order::kTree);
+    case DetectorMethod::kExact:
+      return std::make_unique<ConesDetector>(field, options, ConesDetector::Order::kLastFrameFirst);
     case DetectorMethod::kRandom:
       return std::make_unique<RandomDetector>(field, options.random);
     case DetectorMethod::kCoherenceA:

@@ -15,11 +15,12 @@
 
 namespace limn {
 
-/// How silhouettes are looked for. kBrute and kCones find all of them, and the same ones; the
-/// others, those of [Mohr13], find what their seeds lead to.
+/// How silhouettes are looked for. kBrute, kCones and kExact find all of them, and the same
+/// ones; the others, those of [Mohr13], find what their seeds lead to.
 enum class DetectorMethod : std::uint8_t {
   kBrute,
   kCones,
+  kExact,
   kRandom,
   kCoherenceA,
   kCoherenceB,
@@ -38,7 +39,7 @@ enum class DetectorMethod : std::uint8_t {
 struct DetectionStats {
   std::uint32_t facesVisited = 0;  // faces whose plane, or one of whose corners' planes, was tested
   std::uint32_t sitesTested = 0;   // plane evaluations (faces or vertices, see SilhouetteField)
-  std::uint32_t clustersTested = 0;  // cone tests (kCones)
+  std::uint32_t clustersTested = 0;  // cone tests (kCones, kExact)
   std::uint32_t seedsTried = 0;      // by seeded methods
   std::uint32_t segments = 0;        // silhouette edges, or faces crossed by the smooth silhouette
 };
@@ -110,8 +111,8 @@ struct DetectorOptions {
   /// Whether to use the machine's vector instructions. The results are the same either way.
   bool vectorized = true;
 
-  /// kCones: factor on the tangent of every normal cone. 1 finds everything; below, silhouettes
-  /// are lost. For negative controls in tests only.
+  /// kCones, kExact: factor on the tangent of every normal cone. 1 finds everything; below,
+  /// silhouettes are lost. For negative controls in tests only.
   double coneTangentScale = 1.0;
 };
 

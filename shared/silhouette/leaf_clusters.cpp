@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace limn::silhouette {
 
@@ -99,6 +100,8 @@ constexpr std::size_t kLookAhead = 128;
 // How far apart, in units of the mesh's extent, two opposite normals count as being when clusters
 // are put in order.
 constexpr float kOrderNormalWeight = 0.5F;
+// A cluster with fewer items than a full one over this is a remainder.
+constexpr std::uint32_t kSmallShare = 3;
 
 // Grows clusters one by one.
 class Grower {
@@ -417,6 +420,17 @@ Clusters inOrder(const Clusters& given, std::span<const std::uint32_t> order) {
   return result;
 }
 
+// Growth leaves remainders between large clusters. Side by side, those that are near each other can
+// be joined.
+Clusters smallOnesLast(const Clusters& given, std::uint32_t smallItems) {
+  std::vector<std::uint32_t> order(given.clusters.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_partition(order.begin(), order.end(), [&](std::uint32_t c) {
+    return given.clusters[c].end - given.clusters[c].begin > smallItems;
+  });
+  return inOrder(given, order);
+}
+
 // Joins neighbours in the order where both fit into one: growth leaves small remainders.
 void joinNeighbours(
     const ItemSource& source,
@@ -456,6 +470,7 @@ Clusters clusterItems(const ItemSource& source, std::uint32_t maxSites, std::uin
     return inOrder(given, Orderer(given.clusters, extent).order());
   };
   Clusters clusters = ordered(Grower(source, maxSites, maxItems).grow());
+  clusters = smallOnesLast(clusters, maxItems / kSmallShare);
   joinNeighbours(source, maxSites, maxItems, clusters);
   return ordered(clusters);
 }

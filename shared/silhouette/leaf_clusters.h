@@ -35,6 +35,12 @@ class ItemSource {
   /// An edge's third site repeats its first.
   [[nodiscard]] std::array<std::uint32_t, 3> sitesOf(std::uint32_t item) const;
 
+  /// kEdges: which of its face's three the half-edge is, and the same of its twin; kSmooth: zeros.
+  [[nodiscard]] std::array<std::uint32_t, 3> placesOf(std::uint32_t item) const {
+    if (field_->kind() == SilhouetteKind::kSmooth) return {};
+    return {item % 3, field_->mesh().twins[item] % 3, 0};
+  }
+
   [[nodiscard]] std::span<const std::uint32_t> itemsOf(std::uint32_t site) const {
     return {items_.data() + itemBegin_[site], itemBegin_[site + 1] - itemBegin_[site]};
   }

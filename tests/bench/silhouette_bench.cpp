@@ -1,40 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
 // Detection and chaining, timed against brute force and against the loop that everyone writes
-// first, in the same run on the same views. One thread.
+// first, in the same run on the same views. One thread. Prints rows for bench.py.
+//   limn-silhouette-bench [--quick | NAME]   NAME: only meshes whose name starts so
 #include "client/stroke/chain.h"
 #include "tests/corpus/corpus.h"
+#include "tests/corpus/torus_knots.h"
 #include "tests/property/shared/silhouette/views.h"
 
-#include "shared/mesh/primitives.h"
 #include "shared/silhouette/detector.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <cstring>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace limn {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+// Processor time of this thread: what else runs on the machine counts less.
+double nowMs() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-// Mean over the views, best of a few rounds.
-template <class Work>
-double timePerView(const std::vector<SilhouetteView>& views, int rounds, Work work) {
-  double best = 1e30;
+using Views = std::vector<SilhouetteView>;
+using Work = std::function<void(const SilhouetteView&)>;
+
+// Median over the views of the best of a few rounds, for each of several kinds of work. Rounds take
+// turns, so that what disturbs the machine disturbs all; within a round a kind of work goes through
+// all views, as a camera that moves.
+std::vector<double> medianMs(const Views& views, int rounds, const std::vector<Work>& works) {
+  std::vector<std::vector<double>> best(works.size(), std::vector<double>(views.size(), 1e30));
   for (int round = 0; round < rounds; ++round) {
-    const auto start = Clock::now();
-    for (const SilhouetteView& view : views)
-      work(view);
-    best = std::min(best, millisecondsSince(start) / static_cast<double>(views.size()));
+    for (std::size_t w = 0; w < works.size(); ++w) {
+      for (std::size_t v = 0; v < views.size(); ++v) {
+        const double start = nowMs();
+        works[w](views[v]);
+        best[w][v] = std::min(best[w][v], nowMs() - start);
+      }
+    }
   }
-  return best;
+  std::vector<double> medians;
+  for (std::vector<double>& times : best) {
+    std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
+    medians.push_back(times[times.size() / 2]);
+  }
+  return medians;
 }
 
 // Faces, vertices and edges as structs, one at a time: the classic.
@@ -93,120 +109,161 @@ class ClassicDetector {
   std::vector<std::uint32_t> found_;
 };
 
-void row(
-    const char* what,
-    const std::string& mesh,
-    double ms,
-    double reference,
-    double target,
-    const char* note) {
-  const double ratio = reference / ms;
-  std::printf("%-26s %-20s %10.4f ms %10.4f ms  x%-7.2f", what, mesh.c_str(), ms, reference, ratio);
-  if (target > 0.0) {
-    std::printf("  x%-5.1f %-4s", target, ratio >= target ? "met" : "NOT");
-  } else {
-    std::printf("  %-11s", "-");
+struct Row {
+  std::string what;
+  std::string mesh;
+  double ours = 0.0;
+  double reference = 0.0;  // 0: none
+  double target = 0.0;     // upper bound of ours / reference, or of ours; 0: none
+  std::string unit;
+};
+
+// One JSON object a line; bench.py makes the table.
+void print(const Row& row) {
+  std::printf(
+      R"({"row":"%s","mesh":"%s","ours":%.6g,"reference":%.6g,"target":%.6g,"unit":"%s"})"
+      "\n",
+      row.what.c_str(),
+      row.mesh.c_str(),
+      row.ours,
+      row.reference,
+      row.target,
+      row.unit.c_str());
+  std::fflush(stdout);
+}
+
+// What cones have to beat brute force by, and chained smooth polylines to stay below.
+struct Targets {
+  double edges = 0.0;
+  double smooth = 0.0;
+  double orbit = 0.0;
+  double chainedNs = 20.0;
+};
+
+void benchKind(
+    const std::string& name,
+    const TriangleMesh& shape,
+    const HalfEdgeMesh& mesh,
+    SilhouetteKind kind,
+    const Targets& targets,
+    int viewCount) {
+  const bool isEdges = kind == SilhouetteKind::kEdges;
+  const std::string kindName = isEdges ? "edges" : "smooth";
+  const SilhouetteField field(mesh, shape.positions, kind);
+  const double start = nowMs();
+  const auto cones = makeDetector(DetectorMethod::kCones, field);
+  const double buildMs = nowMs() - start;
+  const auto exact = makeDetector(DetectorMethod::kExact, field);
+  const auto brute = makeDetector(DetectorMethod::kBrute, field);
+  ClassicDetector classic(field);
+  SilhouetteChainer chainer;
+  const Views random = testing::randomViews(shape, viewCount, 1);
+  const Views orbit = testing::orbitViews(shape, viewCount, 0.9);
+
+  std::size_t segments = 0;
+  for (const SilhouetteView& view : random) {
+    const std::size_t truth = brute->detect(view).stats.segments;
+    segments += truth;
+    if (cones->detect(view).stats.segments != truth ||
+        exact->detect(view).stats.segments != truth) {
+      std::fprintf(stderr, "%s: cones, exact and brute force disagree\n", name.c_str());
+      std::exit(1);
+    }
   }
-  std::printf("  %s\n", note);
+  const double perView = static_cast<double>(segments) / static_cast<double>(random.size());
+  std::size_t sink = 0;
+  const auto detect = [&](SilhouetteDetector& detector) {
+    return [&](const SilhouetteView& v) { sink += detector.detect(v).stats.segments; };
+  };
+  const auto chained = [&](const SilhouetteView& v) {
+    sink += chainer.chain(field, v, cones->detect(v)).points.size();
+  };
+  constexpr int kRounds = 7;
+  const auto scalar = [&](const SilhouetteView& v) { sink += classic.detect(v); };
+  const auto ms = medianMs(random, kRounds, {scalar, detect(*brute), detect(*cones), chained});
+  const auto orbitMs = medianMs(orbit, kRounds, {detect(*brute), detect(*cones), detect(*exact)});
+
+  const double edges = 1.5 * mesh.faceCount();
+  const auto bound = [](double speedUp) { return speedUp > 0.0 ? 1.0 / speedUp : 0.0; };
+  print({"brute, " + kindName + ", an edge", name, ms[1] * 1e6 / edges, 0.0, 1.6, "ns"});
+  print({"brute, " + kindName, name, ms[1], ms[0], 0.0, "ms"});
+  print(
+      {"cones, " + kindName,
+       name,
+       ms[2],
+       ms[1],
+       bound(isEdges ? targets.edges : targets.smooth),
+       "ms"});
+  print(
+      {"cones, " + kindName + ", orbit",
+       name,
+       orbitMs[1],
+       orbitMs[0],
+       isEdges ? bound(targets.orbit) : 0.0,
+       "ms"});
+  print({"exact, " + kindName + ", orbit / cones", name, orbitMs[2], orbitMs[1], 1.1, "ms"});
+  print(
+      {"cones + chain, " + kindName + ", a segment",
+       name,
+       ms[3] * 1e6 / perView,
+       0.0,
+       isEdges ? 0.0 : targets.chainedNs,
+       "ns"});
+  print(
+      {"chain, " + kindName + ", a segment",
+       name,
+       (ms[3] - ms[2]) * 1e6 / perView,
+       0.0,
+       0.0,
+       "ns"});
+  print(
+      {"cones, " + kindName + ", a face",
+       name,
+       static_cast<double>(cones->memoryBytes()) / mesh.faceCount(),
+       0.0,
+       24.0,
+       "B"});
+  print({"cones, " + kindName + ", build", name, buildMs, 0.0, 0.0, "ms"});
+  if (sink == 0) std::fprintf(stderr, "%s: nothing found\n", name.c_str());
 }
 
-// Speed-ups over brute force to reach, by size of the mesh.
-double conesTarget(std::size_t faces, SilhouetteKind kind) {
-  if (kind == SilhouetteKind::kSmooth && faces > 900'000) return 10.0;
-  if (faces > 800'000) return 3.0;
-  return faces > 150'000 ? 5.0 : 4.0;
-}
-
-void benchMesh(const std::string& name, const TriangleMesh& shape, int viewCount) {
+void benchMesh(
+    const std::string& name,
+    const TriangleMesh& shape,
+    const Targets& targets,
+    int viewCount) {
   const auto mesh =
       HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
   if (!mesh) {
-    std::printf("%s: %s\n", name.c_str(), mesh.error().message.c_str());
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), mesh.error().message.c_str());
     return;
   }
-  const auto views = testing::randomViews(shape, viewCount, 1);
-  for (const SilhouetteKind kind : {SilhouetteKind::kEdges, SilhouetteKind::kSmooth}) {
-    const std::string kindName = kind == SilhouetteKind::kEdges ? "edges" : "smooth";
-    auto start = Clock::now();
-    const SilhouetteField field(*mesh, shape.positions, kind);
-    const double fieldMs = millisecondsSince(start);
-    start = Clock::now();
-    const auto cones = makeDetector(DetectorMethod::kCones, field);
-    const double buildMs = millisecondsSince(start);
-    const auto brute = makeDetector(DetectorMethod::kBrute, field);
-    ClassicDetector classic(field);
-    SilhouetteChainer chainer;
-
-    std::size_t segments = 0;
-    for (const SilhouetteView& view : views) {
-      segments += brute->detect(view).stats.segments;
-      if (cones->detect(view).stats.segments != brute->detect(view).stats.segments) {
-        std::printf("%s: cones and brute force disagree\n", name.c_str());
-      }
-    }
-    const double perView = static_cast<double>(segments) / static_cast<double>(views.size());
-    std::size_t sink = 0;
-    constexpr int kRounds = 5;
-    const double classicMs =
-        timePerView(views, kRounds, [&](const auto& v) { sink += classic.detect(v); });
-    const double bruteMs =
-        timePerView(views, kRounds, [&](const auto& v) { sink += brute->detect(v).edges.size(); });
-    const double conesMs =
-        timePerView(views, kRounds, [&](const auto& v) { sink += cones->detect(v).edges.size(); });
-    const double allMs = timePerView(views, kRounds, [&](const auto& v) {
-      sink += chainer.chain(field, v, cones->detect(v)).points.size();
-    });
-    char note[160];
-    std::snprintf(
-        note,
-        sizeof note,
-        "vs scalar; %u faces, %.0f segments a view",
-        mesh->faceCount(),
-        perView);
-    row(("brute, " + kindName).c_str(), name, bruteMs, classicMs, 0.0, note);
-    std::snprintf(
-        note,
-        sizeof note,
-        "vs brute (x%.1f vs scalar); build %.0f + %.0f ms, %.0f B a face",
-        classicMs / conesMs,
-        fieldMs,
-        buildMs,
-        static_cast<double>(cones->memoryBytes()) / mesh->faceCount());
-    row(("cones, " + kindName).c_str(),
-        name,
-        conesMs,
-        bruteMs,
-        conesTarget(mesh->faceCount(), kind),
-        note);
-    std::snprintf(
-        note,
-        sizeof note,
-        "vs brute alone; chaining %.0f ns a segment%s",
-        (allMs - conesMs) * 1e6 / perView,
-        sink == 0 ? " (nothing found)" : "");
-    row(("cones + chain, " + kindName).c_str(), name, allMs, bruteMs, 0.0, note);
-  }
+  for (const SilhouetteKind kind : {SilhouetteKind::kEdges, SilhouetteKind::kSmooth})
+    benchKind(name, shape, *mesh, kind, targets, viewCount);
 }
 
 int run(int argc, char** argv) {
-  const bool isQuick = argc > 1 && std::strcmp(argv[1], "--quick") == 0;
-  const int viewCount = isQuick ? 20 : 100;
-  std::printf(
-      "%-26s %-20s %13s %13s  %-8s  %-6s %-4s\n",
-      "row",
-      "mesh",
-      "ours",
-      "reference",
-      "ratio",
-      "target",
-      "");
-  for (const char* file : {"bunny-closed.ply", "turbine-blade.ply", "dragon.ply"}) {
-    if (isQuick && std::strcmp(file, "bunny-closed.ply") != 0) continue;
+  const std::string only = argc > 1 ? argv[1] : "";
+  const bool isQuick = only == "--quick";
+  const int viewCount = isQuick ? 21 : 101;
+  const auto isWanted = [&](const std::string& name) {
+    return only.empty() || (isQuick && name.starts_with("bunny")) || name.starts_with(only);
+  };
+  const std::pair<const char*, Targets> files[] = {
+      {"bunny-closed.ply", {4.0, 0.0, 0.0, 20.0}},
+      {"turbine-blade.ply", {5.0, 0.0, 0.0, 20.0}},
+      {"dragon.ply", {2.0, 0.0, 4.0, 45.0}}};
+  for (const auto& [file, targets] : files) {
+    if (!isWanted(file)) continue;
     if (const corpus::Mesh* mesh = corpus::model(file))
-      benchMesh(mesh->name, mesh->mesh, viewCount);
+      benchMesh(mesh->name, mesh->mesh, targets, viewCount);
   }
-  benchMesh("knot, 69,632 faces", primitives::torusKnot(2, 3, 544, 64), viewCount);
-  if (!isQuick) benchMesh("knot, 1 M faces", primitives::torusKnot(2, 3, 4000, 125), viewCount);
+  if (isWanted("knot-rough-400k")) {
+    const corpus::KnotOptions rough{.segments = 2500, .sides = 80, .roughness = 0.002};
+    benchMesh("knot-rough-400k", corpus::torusKnot(rough), {6.0, 0.0, 0.0, 20.0}, viewCount);
+  }
+  if (isWanted("knot-smooth-1M"))
+    benchMesh("knot-smooth-1M", corpus::torusKnot({}), {0.0, 10.0, 0.0, 20.0}, viewCount);
   return 0;
 }
 

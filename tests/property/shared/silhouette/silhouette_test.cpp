@@ -101,8 +101,11 @@ void expectConesEqualBrute(const corpus::Mesh& subject, int viewCount) {
     const SilhouetteField field(mesh, subject.mesh.positions, kind);
     const auto brute = makeDetector(DetectorMethod::kBrute, field);
     const auto cones = makeDetector(DetectorMethod::kCones, field);
+    const auto exact = makeDetector(DetectorMethod::kExact, field);
     for (const SilhouetteView& view : views) {
-      ASSERT_EQ(sorted(cones->detect(view)), sorted(brute->detect(view)));
+      const auto truth = sorted(brute->detect(view));
+      ASSERT_EQ(sorted(cones->detect(view)), truth);
+      ASSERT_EQ(sorted(exact->detect(view)), truth);
     }
   }
 }
@@ -158,13 +161,17 @@ TEST(Silhouette, ConesEqualBruteForceOnNearlyDegenerateShapes) {
 
 TEST(Silhouette, ConesEqualBruteForceOnRealModels) {
   if (!corpus::modelsFolder()) GTEST_SKIP() << corpus::kNoModels;
-  // Many views of small models, a few of large ones; LIMN_ALL_VIEWS=1 asks for 200 of every model.
+  // Many views of small models, a few of large ones; LIMN_ALL_VIEWS=1 asks for 500 of every model.
   const bool everything = std::getenv("LIMN_ALL_VIEWS") != nullptr;
   for (const auto& file :
        corpus::modelFiles(everything ? corpus::Size::kAll : corpus::Size::kMedium)) {
     const corpus::Mesh* subject = corpus::model(file.filename().string());
     if (subject == nullptr) continue;
-    expectConesEqualBrute(*subject, everything || subject->mesh.triangles.size() < 30000 ? 200 : 8);
+    expectConesEqualBrute(
+        *subject,
+        everything                               ? 500
+        : subject->mesh.triangles.size() < 30000 ? 100
+                                                 : 6);
   }
 }
 
@@ -203,10 +210,44 @@ TEST(Silhouette, ConesEqualBruteForceFromInsideAndOnTheSurface) {
     const SilhouetteField field(mesh, shape.positions, kind);
     const auto brute = makeDetector(DetectorMethod::kBrute, field);
     const auto cones = makeDetector(DetectorMethod::kCones, field);
+    // So near that 16-bit planes decide nothing, and a little away.
     for (std::size_t v = 0; v < shape.positions.size(); v += 37) {
-      const SilhouetteView view{glm::dvec3(shape.positions[v]), {}, false};
-      ASSERT_EQ(sorted(cones->detect(view)), sorted(brute->detect(view)));
+      for (const double away : {0.0, 0.25, 3.0, 100.0}) {
+        const SilhouetteView view{glm::dvec3(shape.positions[v]) + away, {}, false};
+        ASSERT_EQ(sorted(cones->detect(view)), sorted(brute->detect(view)));
+      }
     }
+  }
+}
+
+TEST(Silhouette, ExactFindsEverythingAlongAnOrbitAndAfterJumps) {
+  const TriangleMesh shape = primitives::bumpySphere(5, 7);
+  const HalfEdgeMesh mesh = link(shape);
+  auto views = testing::orbitViews(shape, 60, 0.9);
+  const auto jumps = testing::randomViews(shape, 60, 8);
+  views.insert(views.end(), jumps.begin(), jumps.end());
+  DetectorOptions portable;
+  portable.vectorized = false;
+  for (const SilhouetteKind kind : kKinds) {
+    const SilhouetteField field(mesh, shape.positions, kind);
+    const auto brute = makeDetector(DetectorMethod::kBrute, field);
+    const auto exact = makeDetector(DetectorMethod::kExact, field);
+    const auto slow = makeDetector(DetectorMethod::kExact, field, portable);
+    for (const SilhouetteView& view : views) {
+      const auto truth = sorted(brute->detect(view));
+      ASSERT_EQ(sorted(exact->detect(view)), truth);
+      ASSERT_EQ(sorted(slow->detect(view)), truth);
+    }
+  }
+}
+
+TEST(Silhouette, ConesTakeAtMost24BytesAFaceOfALargeMesh) {
+  const TriangleMesh shape = primitives::bumpySphere(6, 7);
+  const HalfEdgeMesh mesh = link(shape);
+  for (const SilhouetteKind kind : kKinds) {
+    const SilhouetteField field(mesh, shape.positions, kind);
+    const auto cones = makeDetector(DetectorMethod::kCones, field);
+    EXPECT_LE(cones->memoryBytes(), 24U * mesh.faceCount());
   }
 }
 

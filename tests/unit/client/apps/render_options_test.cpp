@@ -58,10 +58,10 @@ TEST(RenderOptions, UnderstandsEveryFlag) {
   EXPECT_TRUE(o.check);
 }
 
-TEST(RenderOptions, ExactIsDoneByCones) {
+TEST(RenderOptions, TheDetectorIsExactUnlessSaid) {
   const auto line = parse("render --asset a --out x.png");
   ASSERT_TRUE(line);
-  EXPECT_EQ(line->render->detector, DetectorMethod::kCones);
+  EXPECT_EQ(line->render->detector, DetectorMethod::kExact);
   EXPECT_EQ(line->render->detectorName, "exact");
 }
 
