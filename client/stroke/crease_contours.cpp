@@ -14,9 +14,50 @@
 namespace limn {
 namespace {
 
-bool isCrease(const HalfEdgeMesh& mesh, std::span<const std::uint8_t> features, HalfEdgeId h) {
-  const HalfEdgeId twin = mesh.twins[h];
-  return twin != kNone && ((features[h] | features[twin]) & kFeatureCrease) != 0;
+/// Connected creases shorter together than this share of the mesh's extent are noise of a scan and
+/// divide nothing.
+constexpr double kShortest = 0.015;
+
+/// By half-edge: whether it lies on creases that are more than noise.
+std::vector<std::uint8_t> longCreases(
+    const SilhouetteField& field,
+    std::span<const std::uint8_t> features) {
+  const HalfEdgeMesh& mesh = field.mesh();
+  const std::span<const glm::ivec3> positions = field.positions();
+  const auto isCrease = [&](HalfEdgeId h) {
+    const HalfEdgeId twin = mesh.twins[h];
+    return twin != kNone && ((features[h] | features[twin]) & kFeatureCrease) != 0;
+  };
+  std::vector<std::uint32_t> parents(mesh.vertexCount());
+  for (std::uint32_t v = 0; v < parents.size(); ++v)
+    parents[v] = v;
+  const auto rootOf = [&](std::uint32_t v) {
+    while (parents[v] != v) {
+      parents[v] = parents[parents[v]];
+      v = parents[v];
+    }
+    return v;
+  };
+  std::vector<std::uint8_t> found(mesh.origins.size(), 0);
+  for (HalfEdgeId h = 0; h < found.size(); ++h) {
+    if (!isCrease(h)) continue;
+    found[h] = 1;
+    parents[rootOf(mesh.origin(h))] = rootOf(mesh.target(h));
+  }
+  std::vector<double> lengths(mesh.vertexCount(), 0.0);
+  glm::ivec3 farthest(0);
+  for (HalfEdgeId h = 0; h < found.size(); ++h) {
+    const glm::ivec3& p = positions[mesh.origin(h)];
+    farthest = glm::max(farthest, glm::abs(p - field.center()));
+    if (found[h] == 0) continue;
+    lengths[rootOf(mesh.origin(h))] +=
+        0.5 * glm::distance(glm::dvec3(p), glm::dvec3(positions[mesh.target(h)]));
+  }
+  const double shortest = kShortest * 2.0 * glm::length(glm::dvec3(farthest));
+  for (HalfEdgeId h = 0; h < found.size(); ++h) {
+    if (found[h] != 0 && lengths[rootOf(mesh.origin(h))] < shortest) found[h] = 0;
+  }
+  return found;
 }
 
 auto keyOf(const glm::vec3& p) {
@@ -35,10 +76,11 @@ CreaseContours::CreaseContours(const SilhouetteField& field, std::span<const std
     : field_(field) {
   const HalfEdgeMesh& mesh = field.mesh();
   if (features.size() != mesh.origins.size() || field.kind() != SilhouetteKind::kSmooth) return;
+  const std::vector<std::uint8_t> isCrease = longCreases(field, features);
   std::vector<std::uint8_t> creasesAt(mesh.vertexCount(), 0);
   bool hasCreases = false;
   for (HalfEdgeId h = 0; h < mesh.origins.size(); ++h) {
-    if (!isCrease(mesh, features, h)) continue;
+    if (isCrease[h] == 0) continue;
     std::uint8_t& count = creasesAt[mesh.origin(h)];
     count = static_cast<std::uint8_t>(std::min(count + 1, 2));
     hasCreases = true;
@@ -47,7 +89,7 @@ CreaseContours::CreaseContours(const SilhouetteField& field, std::span<const std
   sectors_ = mesh.origins;
   for (std::uint32_t v = 0; v < mesh.vertexCount(); ++v) {
     // One crease alone divides a vertex only where a border does the rest.
-    if (creasesAt[v] == 2 || (creasesAt[v] == 1 && mesh.isBorderVertex(v))) divide(v, features);
+    if (creasesAt[v] == 2 || (creasesAt[v] == 1 && mesh.isBorderVertex(v))) divide(v, isCrease);
   }
   isSharp_.assign(mesh.faceCount(), 0);
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
@@ -60,7 +102,7 @@ CreaseContours::CreaseContours(const SilhouetteField& field, std::span<const std
     faces_.push_back({f, sites});
   }
   for (HalfEdgeId h = 0; h < mesh.origins.size(); ++h) {
-    if (h > mesh.twins[h] || !isCrease(mesh, features, h)) continue;
+    if (h > mesh.twins[h] || isCrease[h] == 0) continue;
     const HalfEdgeId twin = mesh.twins[h];
     const Crease crease{
         h,
@@ -71,13 +113,13 @@ CreaseContours::CreaseContours(const SilhouetteField& field, std::span<const std
 }
 
 /// Gives each sector of faces around a vertex a plane of its own: the angle-weighted mean normal.
-void CreaseContours::divide(std::uint32_t vertex, std::span<const std::uint8_t> features) {
+void CreaseContours::divide(std::uint32_t vertex, std::span<const std::uint8_t> isCrease) {
   const HalfEdgeMesh& mesh = field_.mesh();
   const std::span<const glm::ivec3> positions = field_.positions();
   // From a crease or border, so that no sector is cut at an arbitrary place.
   HalfEdgeId first = mesh.outgoing[vertex];
   if (!mesh.isBorderVertex(vertex)) {
-    while (!isCrease(mesh, features, first))
+    while (isCrease[first] == 0)
       first = mesh.rotateCcw(first);
   }
   const glm::dvec3 at(positions[vertex]);
@@ -108,7 +150,7 @@ void CreaseContours::divide(std::uint32_t vertex, std::span<const std::uint8_t> 
     if (area > 0.0) sum += normal * (std::atan2(area, glm::dot(u, v)) / area);
     corners.push_back(h);
     h = mesh.rotateCcw(h);
-    if (h == kNone || h == first || isCrease(mesh, features, h)) finish();
+    if (h == kNone || h == first || isCrease[h] != 0) finish();
   } while (h != kNone && h != first);
 }
 

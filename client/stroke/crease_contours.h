@@ -24,7 +24,8 @@ namespace limn {
 /// Refers to the field, which must be kSmooth and outlive it. Threads: one caller at a time.
 class CreaseContours {
  public:
-  /// features: one byte a half-edge (EdgeFeature), or none. Cost: O(half-edges).
+  /// features: one byte a half-edge (EdgeFeature), or none. Creases that are short all together,
+  /// as on noisy scans, divide nothing. Cost: O(half-edges).
   CreaseContours(const SilhouetteField& field, std::span<const std::uint8_t> features);
 
   /// Whether no crease divides any vertex: chaining alone is then right.
@@ -60,7 +61,7 @@ class CreaseContours {
     std::uint32_t line;  // of the lines chained away from creases, or kNone
   };
 
-  void divide(std::uint32_t vertex, std::span<const std::uint8_t> features);
+  void divide(std::uint32_t vertex, std::span<const std::uint8_t> isCrease);
   [[nodiscard]] float valueOf(std::uint32_t site) const;
   [[nodiscard]] glm::vec3
   crossing(std::uint32_t front, float frontValue, std::uint32_t back, float backValue) const;
