@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/spine_samples.h"
 
+#include "client/stroke/clip_segment.h"
 #include "client/stroke/segment_facts.h"
 
 #include <algorithm>
@@ -93,6 +94,44 @@ void sampleSpines(
       out.source.push_back(source);
     }
   }
+}
+
+SpineSamples sampleSegments(const PolylineSet& lines, const LineScene& scene) {
+  const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
+  glm::dmat4 clipFromGrid = clipFromWorld * scene.grid.step;
+  clipFromGrid[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
+  const SegmentJudge judge(lines, scene);
+  const glm::dvec2 size(scene.viewport.width, scene.viewport.height);
+  SpineSamples out;
+  for (const PolylineSet::Line& line : lines.lines) {
+    for (std::uint32_t k = 0; k < line.segmentCount(); ++k) {
+      const std::uint32_t point = line.begin + k;
+      const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
+      const glm::dvec4 a = clipFromGrid * glm::dvec4(lines.points[point], 1.0);
+      const glm::dvec4 b = clipFromGrid * glm::dvec4(lines.points[next], 1.0);
+      const ClipSpan span = clipSegment(a, b);
+      if (span.empty()) continue;
+      const glm::dvec3 from = pixelFromClip(a + span.begin * (b - a), scene.viewport);
+      const glm::dvec3 to = pixelFromClip(a + span.end * (b - a), scene.viewport);
+      const glm::dvec2 along(to - from);
+      const double length = glm::length(along);
+      const SegmentFacts facts = judge.judge(line.kind, point, next);
+      SpineSample sample;
+      sample.bias = facts.hiddenByRule ? -1.0F : facts.bias;
+      if (length > 1e-6)
+        sample.outward = glm::vec2(
+            glm::dvec2(-along.y, along.x) * (static_cast<double>(facts.openSide) / length));
+      const auto count = static_cast<std::uint32_t>(std::max(1.0, std::ceil(length)));
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const double t = (i + 0.5) / count;
+        sample.position = glm::vec2((glm::dvec2(from) + t * along) / size);
+        sample.depth = static_cast<float>(glm::mix(from.z, to.z, t));
+        out.samples.push_back(sample);
+        out.source.push_back(point);
+      }
+    }
+  }
+  return out;
 }
 
 }  // namespace limn

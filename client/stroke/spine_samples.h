@@ -61,4 +61,8 @@ void sampleSpines(
     const SampleOptions& options,
     SpineSamples& out);
 
+/// Samples on every segment by itself, a pixel apart, at least one in its middle: those of one
+/// segment follow one another. Neither spines nor ranges to filter over. Cost: as sampleSpines().
+[[nodiscard]] SpineSamples sampleSegments(const PolylineSet& lines, const LineScene& scene);
+
 }  // namespace limn

@@ -3,7 +3,7 @@
 // §3.4: the depth texture is asked at the spine and its eight neighbours, and the whole width of a
 // stroke shares the answer.
 // Deviations: of a silhouette only the neighbours on its outward side are asked, since those on the
-// other see its own surface rise towards the eye; three of them must be free, since one or two are
+// other see its own surface rise towards the eye; two of them must be free, since a single one may be
 // past the outline of a surface just before the line; concave silhouettes are hidden by rule; the
 // bias follows the slope of the surface; answers are filtered along the spine.
 #include "client/stroke/visibility.h"
@@ -68,34 +68,21 @@ std::vector<std::uint8_t>
 segmentVisibility(const PolylineSet& lines, const LineScene& scene, const DepthImage& depth) {
   std::vector<std::uint8_t> visible(lines.points.size(), 0);
   if (depth.width < 1 || depth.height < 1) return visible;
-  const SpineSet spines = projectLines(lines, scene);
-  const SpineSamples samples = sampleSpines(spines, measureSpines(spines), lines, scene);
-  // Unfiltered: the filter is for the eye, which wants no speckles; this answer is for those who
-  // want to know.
-  const std::vector<std::uint8_t> visibility = testSamples(samples.samples, depth);
-  std::vector<float> sums(lines.points.size(), 0.0F);
-  std::vector<std::uint32_t> counts(lines.points.size(), 0);
-  for (std::size_t i = 0; i < visibility.size(); ++i) {
-    const glm::vec2 p = samples.samples[i].position;
-    const bool isInside = p.x >= 0.0F && p.x < 1.0F && p.y >= 0.0F && p.y < 1.0F;
-    sums[samples.source[i]] += isInside && visibility[i] != 0 ? 1.0F : 0.0F;
-    ++counts[samples.source[i]];
-  }
-  for (const PolylineSet::Line& line : lines.lines) {
-    // A segment too short for a sample of its own shares its predecessor's answer.
-    float known = 0.0F;
-    std::uint32_t firstKnown = line.end;
-    for (std::uint32_t k = 0; k < line.segmentCount(); ++k) {
-      const std::uint32_t point = line.begin + k;
-      if (counts[point] > 0) {
-        known = sums[point] / static_cast<float>(counts[point]);
-        firstKnown = std::min(firstKnown, point);
-      }
-      visible[point] = known > 0.5F ? 1 : 0;
+  // Every segment is asked for itself, however short: neighbours on a dense mesh face differently.
+  // Unfiltered, too: the filter is for the eye, which wants no speckles.
+  const SpineSamples samples = sampleSegments(lines, scene);
+  const std::vector<std::uint8_t> found = testSamples(samples.samples, depth);
+  for (std::size_t i = 0; i < found.size();) {
+    const std::uint32_t point = samples.source[i];
+    std::uint32_t count = 0;
+    std::uint32_t seen = 0;
+    for (; i < found.size() && samples.source[i] == point; ++i) {
+      const glm::vec2 p = samples.samples[i].position;
+      const bool isInside = p.x >= 0.0F && p.x < 1.0F && p.y >= 0.0F && p.y < 1.0F;
+      seen += isInside ? found[i] : 0U;
+      ++count;
     }
-    for (std::uint32_t point = line.begin; point < firstKnown && firstKnown < line.end; ++point) {
-      visible[point] = visible[firstKnown];
-    }
+    visible[point] = 2 * seen > count ? 1 : 0;
   }
   return visible;
 }

@@ -26,7 +26,7 @@ inline constexpr int kVisibilityFilterRadius = 5;
     const DepthImage& depth);
 
 /// How many of the depth image's pixels around a sample must hold no surface before it.
-inline constexpr int kFreeNeighbours = 3;
+inline constexpr int kFreeNeighbours = 2;
 
 /// The test alone: 1 visible, 0 hidden. A pixel is free when it holds no surface nearer than the
 /// line by more than its bias; a sample is visible when kFreeNeighbours of the nine pixels at and

@@ -154,6 +154,10 @@ class Bench:
             self.table.add("visibility, CPU, edges", name, row["edges_ms"], row.get("embree_ms"), None, "ms")
             self.table.add("visibility, CPU, smooth", name, row["smooth_ms"], None, limits.get(name), "ms")
             self.table.add("visibility, tree of rays", name, row["build_ms"], None, None, "ms")
+            device = json.loads(harness.run("limn-device-visibility-bench", self.files[name].name).splitlines()[0])
+            for what, target in (("visible", 2), ("hidden", 0.1)):
+                wrong = device["false_%s_percent" % what]
+                self.table.add("visibility, device, false " + what, name, wrong, None, target, "%")
 
     def server(self):
         name = "dragon" if "dragon" in self.files else list(self.files)[-1]

@@ -151,8 +151,8 @@ void expectFewErrors(const std::string& name, const TriangleMesh& shape) {
       all.edges,
       falseVisible,
       falseHidden);
-  EXPECT_LT(falseVisible, 5.0) << name;
-  EXPECT_LT(falseHidden, 2.0) << name;
+  EXPECT_LT(falseVisible, 2.0) << name;
+  EXPECT_LT(falseHidden, 0.1) << name;
 }
 
 TEST(LineVisibility, AgreesWithRayCastsOnATorusKnot) {
