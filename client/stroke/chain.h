@@ -32,18 +32,23 @@ class SilhouetteChainer {
  private:
   void linkEdges(const SilhouetteField& field, std::span<const HalfEdgeId> edges);
   void linkFaces(const SilhouetteField& field, const glm::vec4& eye, std::span<const FaceId> faces);
-  [[nodiscard]] std::uint32_t placeOf(std::uint32_t name, std::span<const std::uint32_t> names)
-      const;
-  void name(std::span<const std::uint32_t> names, std::size_t bound);
+  [[nodiscard]] std::uint32_t
+  successorOf(const HalfEdgeMesh& mesh, std::span<const HalfEdgeId> edges, HalfEdgeId h) const;
+  void enterNames(std::size_t count);
+  template <class PointOf, class EndOf>
+  void readLines(std::size_t count, PointOf startOf, EndOf endOf);
 
   PolylineSet lines_;
-  // By half-edge or face: its index among the segments found. Never cleared: an entry counts only
-  // if the segment it leads to has that name.
-  std::vector<std::uint32_t> places_;
-  std::vector<std::uint32_t> next_;        // by segment: the one that goes on from it, or kNone
-  std::vector<std::uint8_t> isContinued_;  // by segment: whether one leads to it
-  std::vector<std::uint8_t> isUsed_;       // by segment
-  std::vector<glm::vec3> ends_;            // by segment, smooth: where it leaves its face
+  // By segment.
+  std::vector<std::uint64_t> names_;       // what leads into it: its first vertex, or the edge
+  std::vector<std::uint64_t> nextNames_;   // what it leads to
+  std::vector<std::uint32_t> next_;        // the one that goes on from it, or kNone
+  std::vector<std::uint8_t> isContinued_;  // whether one leads to it
+  std::vector<std::uint8_t> isUsed_;
+  std::vector<glm::vec3> ends_;  // smooth: where it leaves its face
+  /// Segments by a hash of their names, linear probing; kNone: empty.
+  std::vector<std::uint32_t> table_;
+  int tableShift_ = 0;
 };
 
 struct FeatureChainOptions {

@@ -101,6 +101,7 @@ SilhouetteField::SilhouetteField(
     }
     center_ = low + (high - low) / 2;
   }
+  hasBorder_ = std::find(mesh.twins.begin(), mesh.twins.end(), kNone) != mesh.twins.end();
   planes_ = kind == SilhouetteKind::kEdges ? facePlanes(mesh, positions, center_)
                                            : vertexPlanes(mesh, positions, center_);
 }

@@ -67,6 +67,9 @@ class SilhouetteField {
   /// mean of the normals around. w: offset about center(). A site without area has plane 0: back.
   [[nodiscard]] std::span<const glm::vec4> planes() const { return planes_; }
 
+  /// Whether any edge of the mesh has one face only.
+  [[nodiscard]] bool hasBorder() const { return hasBorder_; }
+
   /// Centre of the box of the positions, rounded to the grid; floats are relative to it.
   [[nodiscard]] const glm::ivec3& center() const { return center_; }
 
@@ -75,6 +78,7 @@ class SilhouetteField {
   std::span<const glm::ivec3> positions_;
   SilhouetteKind kind_;
   glm::ivec3 center_{0};
+  bool hasBorder_ = false;
   std::vector<glm::vec4> planes_;
 };
 
