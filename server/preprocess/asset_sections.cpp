@@ -17,10 +17,12 @@ namespace {
 // Splits of one packet of a complete stream: about 8 KB, so that progress shows.
 constexpr std::uint32_t kPacketSplits = 4096;
 
+// Levels are blocks as long as every view needs nearly all of them; what comes after is cheaper
+// chosen by view (measured: server/session/README.md).
+constexpr std::uint32_t kBlockVertices = 400;
+
 std::uint32_t chooseBlockLevels(const SplitForest& forest) {
-  const std::uint32_t vertices = forest.vertexCount();
-  const std::uint32_t wanted =
-      std::min(std::max(1400U, vertices / 64), std::max(1U, vertices / 10));
+  const std::uint32_t wanted = std::min(kBlockVertices, std::max(1U, forest.vertexCount() / 10));
   std::uint32_t levels = 0;
   while (levels + 1 < forest.levelCount() && forest.levelBegin[levels + 1] < wanted)
     ++levels;

@@ -29,8 +29,8 @@ struct AssetIdentity {
   bool closed = false;
 };
 
-/// Encodes everything a client can be sent. Levels up to 1.5 % of the vertices (1,400 at least, a
-/// tenth at most) become level blocks. Cost: about 1 µs a split.
+/// Encodes everything a client can be sent. Levels of the first 400 vertices (a tenth of them at
+/// most) become level blocks. Cost: about 1 µs a split.
 [[nodiscard]] WireSections
 encodeWireSections(const BuiltForest& built, const SeedTable& seeds, const AssetIdentity& identity);
 

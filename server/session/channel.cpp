@@ -108,6 +108,8 @@ void Channel::pose(const protocol::Pose& pose, ViewCells& cells, std::int64_t no
   if (plan_ == Plan::kEverything) plan_ = Plan::kNothing;
   // The last set goes on as if it were a cell's, but no longer says that this pose is settled.
   if (plan_ == Plan::kPoseExact || plan_ == Plan::kPoseSettled) plan_ = Plan::kCell;
+  // What a search for one pose finds is no use to another, and cells come sooner.
+  if (pendingPlan_ != Plan::kCell) pending_ = nullptr;
   pendingPlan_ = Plan::kCell;
   if (jumped_) {
     // Far from where the last set was for: nothing is better than what it would bring.
@@ -144,11 +146,10 @@ Result<void> Channel::drop(protocol::Bytes ids) {
   aheadCursor_ = {};
   // It is short of memory: what it does not need it would only drop again.
   options_.prefetchAfterMs = -1;
-  if (prefetching_) {
-    adopt(Plan::kNothing, nullptr);
-    prefetching_ = false;
-    poseHasOwnSet_ = false;
-  }
+  if (prefetching_) adopt(Plan::kNothing, nullptr);
+  prefetching_ = false;
+  // A pose's own set counts on what was held when it was searched for.
+  poseHasOwnSet_ = false;
   return {};
 }
 
@@ -181,13 +182,30 @@ void Channel::adopt(Plan plan, std::shared_ptr<const TargetSet> target) {
   full_ = false;
 }
 
+/// What is held once base and level blocks are sent.
+HaveSet Channel::haveAfterStart() const {
+  const auto& levelBegin = model_->forest().levelBegin;
+  HaveSet have = have_;
+  have.addRange(0, levelBegin[1]);
+  for (std::size_t block = nextBlock_; !blocksDone_ && block < model_->blocks().size(); ++block) {
+    const std::uint32_t begin = levelBegin[block + 1];
+    const std::uint32_t end = levelBegin[block + 2];
+    const std::uint32_t held = have.countRange(begin, end);
+    // As nextBlock().
+    if (held == end - begin) continue;
+    if (held != 0 || roomFor(4) < have.count() - have_.count() + (end - begin)) break;
+    have.addRange(begin, end);
+  }
+  return have;
+}
+
 bool Channel::planIsFinal() const {
   return plan_ == Plan::kPoseSettled || plan_ == Plan::kPoseExact || plan_ == Plan::kEverything;
 }
 
 /// Chooses the plan for the current pose at this moment. True when it changed.
 bool Channel::steer(ViewCells& cells, std::int64_t nowMs) {
-  if (!model_ || !pose_) return false;
+  if (!model_ || !pose_ || awaitingHaveSet_) return false;
   bool changed = false;
   if (pending_ && pending_->set) {
     adopt(pendingPlan_, pending_->set);
@@ -205,8 +223,13 @@ bool Channel::steer(ViewCells& cells, std::int64_t nowMs) {
   if (jumped_ || resting(nowMs)) {
     if (!poseHasOwnSet_) {
       const bool exact = pose_->goal == protocol::Goal::kExact;
-      pending_ =
-          cells.pose(model_, *pose_, exact ? ViewCells::Need::kExact : ViewCells::Need::kSettled);
+      // It is found for the mesh that the client will have then: until it is there, no more.
+      adopt(Plan::kNothing, nullptr);
+      pending_ = cells.pose(
+          model_,
+          *pose_,
+          exact ? ViewCells::Need::kExact : ViewCells::Need::kSettled,
+          haveAfterStart());
       pendingPlan_ = exact ? Plan::kPoseExact : Plan::kPoseSettled;
       poseHasOwnSet_ = true;
     }

@@ -120,6 +120,7 @@ class Channel {
   };
 
   [[nodiscard]] bool resting(std::int64_t nowMs) const;
+  [[nodiscard]] HaveSet haveAfterStart() const;
   [[nodiscard]] bool planIsFinal() const;
   void adopt(Plan plan, std::shared_ptr<const TargetSet> target);
   bool steer(ViewCells& cells, std::int64_t nowMs);

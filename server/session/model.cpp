@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/model.h"
 
+#include "server/session/target_set.h"
+
 #include "protocol/framing.h"
 
 #include <utility>
@@ -97,16 +99,16 @@ Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> as
   return model;
 }
 
-const ExactFinder* Model::exactFinder() const {
+const FullMesh* Model::fullMesh() const {
   const std::lock_guard lock(mutex_);
-  if (!exact_ && !exactFailed_) {
-    if (auto made = ExactFinder::make(forest_)) {
-      exact_ = std::move(*made);
+  if (!full_ && !fullFailed_) {
+    if (auto made = FullMesh::make(forest_)) {
+      full_ = std::move(*made);
     } else {
-      exactFailed_ = true;
+      fullFailed_ = true;
     }
   }
-  return exact_.get();
+  return full_.get();
 }
 
 const Dependents& Model::dependents() const {
@@ -124,7 +126,7 @@ std::size_t Model::bytes() const {
       f.cuts.capacity() * sizeof(RingCut) + f.features.capacity() +
       f.bounds.capacity() * sizeof(SplitBounds) + smoothCones_.capacity() * sizeof(NormalCone);
   const std::lock_guard lock(mutex_);
-  return sizeof(*this) + forest + (exact_ ? exact_->bytes() : 0) +
+  return sizeof(*this) + forest + (full_ ? full_->bytes() : 0) +
          (dependents_ ? dependents_->bytes() : 0);
 }
 

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "server/session/dependents.h"
-#include "server/session/exact_set.h"
+#include "server/session/full_mesh.h"
+#include "server/session/view.h"
 #include "server/store/asset_store.h"
 
 #include "protocol/messages.h"
@@ -49,7 +50,7 @@ class Model {
 
   /// Made on first use: O(faces), and as much memory again as the forest. Null when the full mesh
   /// is no manifold, which preparation never leaves behind.
-  [[nodiscard]] const ExactFinder* exactFinder() const;
+  [[nodiscard]] const FullMesh* fullMesh() const;
   /// Made on first use: few clients ever drop anything.
   [[nodiscard]] const Dependents& dependents() const;
   /// Memory held, mapped sections excluded, what is made on first use included from then on.
@@ -68,8 +69,8 @@ class Model {
   protocol::Message seedsMessage_;
   protocol::Bytes seeds_;  // of seedsMessage_
   mutable std::mutex mutex_;
-  mutable std::unique_ptr<const ExactFinder> exact_;      // guarded by mutex_, constant once made
-  mutable bool exactFailed_ = false;                      // guarded by mutex_
+  mutable std::unique_ptr<const FullMesh> full_;          // guarded by mutex_, constant once made
+  mutable bool fullFailed_ = false;                       // guarded by mutex_
   mutable std::unique_ptr<const Dependents> dependents_;  // guarded by mutex_, constant once made
 };
 

@@ -4,6 +4,9 @@
 // view space share what they need); M. Mohr et al. (2013), viewpoints on a sphere around the model.
 #include "server/session/view_cells.h"
 
+#include "server/session/contour_search.h"
+#include "server/session/exact_set.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -57,6 +60,24 @@ std::uint32_t logStep(double value, double stepsPerOctave) {
 
 TargetSet everythingOf(const SplitForest& forest) {
   return targetSetOf(forest, std::vector<std::uint8_t>(forest.splitCount(), 0), 1);
+}
+
+TargetSet exactSetOf(const Model& model, const protocol::Pose& pose) {
+  const FullMesh* full = model.fullMesh();
+  return full != nullptr ? selectExact(*full, viewOfPose(pose, model.forest().grid))
+                         : everythingOf(model.forest());
+}
+
+TargetSet boundedSetOf(const Model& model, const protocol::Pose& pose) {
+  return selectForView(model.forest(), viewOfPose(pose, model.forest().grid), model.smoothCones());
+}
+
+TargetSet searchedSetOf(const Model& model, const protocol::Pose& pose, const HaveSet& have) {
+  const FullMesh* full = model.fullMesh();
+  if (full == nullptr) return boundedSetOf(model, pose);
+  ContourSearch search(*full, contourViewOf(pose, model.forest().grid), have.words());
+  // Bounds err on the safe side where a search finds no end.
+  return search.run() ? search.target() : boundedSetOf(model, pose);
 }
 
 }  // namespace
@@ -162,24 +183,26 @@ ViewCells::Ticket ViewCells::cell(
   return job;
 }
 
-ViewCells::Ticket
-ViewCells::pose(const std::shared_ptr<const Model>& model, const protocol::Pose& pose, Need need) {
+ViewCells::Ticket ViewCells::pose(
+    const std::shared_ptr<const Model>& model,
+    const protocol::Pose& pose,
+    Need need,
+    const HaveSet& have) {
   const auto job = std::make_shared<Job>();
   const auto result = std::make_shared<std::shared_ptr<const TargetSet>>();
   const std::weak_ptr<Job> wanted = job;
+  const bool search = need == Need::kSettled && pendingSearches_ < options_.maxSearches;
+  if (search) ++pendingSearches_;
   tasks_.submit(
-      [model, view = viewOfPose(pose, model->forest().grid), need, wanted, result] {
+      [model, pose, need, search, have, wanted, result] {
         if (wanted.expired()) return;
-        TargetSet set;
-        if (need == Need::kExact) {
-          const ExactFinder* finder = model->exactFinder();
-          set = finder != nullptr ? finder->select(view) : everythingOf(model->forest());
-        } else {
-          set = selectForView(model->forest(), view, model->smoothCones());
-        }
+        TargetSet set = need == Need::kExact ? exactSetOf(*model, pose)
+                        : search             ? searchedSetOf(*model, pose, have)
+                                             : boundedSetOf(*model, pose);
         *result = std::make_shared<const TargetSet>(std::move(set));
       },
-      [this, wanted, result] {
+      [this, search, wanted, result] {
+        if (search) --pendingSearches_;
         if (*result) ++computed_;
         if (const auto still = wanted.lock()) still->set = std::move(*result);
       });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "server/session/have_set.h"
 #include "server/session/model.h"
 #include "server/session/target_set.h"
 #include "server/session/task_runner.h"
@@ -32,6 +33,7 @@ struct ViewCell {
 struct ViewCellOptions {
   std::size_t cacheBytes = std::size_t{256} << 20;
   std::size_t maxPending = 64;  // cells beyond that are not started
+  std::size_t maxSearches = 4;  // contour searches at a time; beyond, bounds of splits decide
 };
 
 /// Computes target sets on workers: of cells, cached and shared by all sessions, and of single
@@ -52,9 +54,14 @@ class ViewCells {
   /// The set of a pose's cell. Null when too many others are on their way: ask again later.
   [[nodiscard]] Ticket cell(const std::shared_ptr<const Model>& model, const protocol::Pose& pose);
 
-  /// The set of exactly this pose.
-  [[nodiscard]] Ticket
-  pose(const std::shared_ptr<const Model>& model, const protocol::Pose& pose, Need need);
+  /// What exactly this pose needs besides `have` (words as in HaveSet, closed, with the base). For
+  /// kSettled nothing else may be added to `have` meanwhile: it is searched for on the mesh that
+  /// the client will then have.
+  [[nodiscard]] Ticket pose(
+      const std::shared_ptr<const Model>& model,
+      const protocol::Pose& pose,
+      Need need,
+      const HaveSet& have);
 
   [[nodiscard]] std::size_t cachedBytes() const { return bytes_; }
 
@@ -86,6 +93,7 @@ class ViewCells {
   std::unordered_map<Key, std::list<Entry>::iterator, KeyHash> byKey_;
   std::size_t bytes_ = 0;
   std::size_t pendingCells_ = 0;
+  std::size_t pendingSearches_ = 0;
   std::uint64_t computed_ = 0;
   std::uint64_t hits_ = 0;
 };

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/session/contour_search.h"
+#include "server/session/exact_set.h"
 #include "tests/unit/server/session/session_link.h"
 
 #include <optional>
@@ -130,19 +132,20 @@ TEST(Session, WithoutPrefetchASettledClientGetsNothingMore) {
   EXPECT_EQ(link.settled_.size(), 1U);
 }
 
-TEST(Session, SettledHoldsExactlyWhatTheSelectionNames) {
+TEST(Session, SettledHoldsExactlyWhatTheSearchFinds) {
   Link link;
   link.hello();
   link.open("bumpy");
   const protocol::Pose pose = link.look({1, 2, 3}, Goal::kSettled);
   link.settle();
   const SplitForest& forest = bumpy()->forest();
-  const auto needed = closeOverPrerequisites(
-      forest,
-      classifySplits(forest, viewOfPose(pose, forest.grid), bumpy()->smoothCones()));
-  const VertexId blocksEnd = forest.levelBegin[1 + bumpy()->blocks().size()];
+  HaveSet start(forest.vertexCount());
+  start.addRange(0, forest.levelBegin[1 + bumpy()->blocks().size()]);
+  ContourSearch search(*bumpy()->fullMesh(), contourViewOf(pose, forest.grid), start.words());
+  ASSERT_TRUE(search.run());
+  const TargetSet found = search.target();
   for (VertexId v = forest.baseVertexCount(); v < forest.vertexCount(); ++v) {
-    const bool wanted = v < blocksEnd || needed[v - forest.baseVertexCount()] != kNotNeeded;
+    const bool wanted = start.holds(v) || (found.classes[0][v / 64] >> (v % 64) & 1) != 0;
     EXPECT_EQ(link.decoder().mesh().holds(v), wanted) << v;
   }
 }
@@ -155,7 +158,7 @@ TEST(Session, ExactSendsNothingThatExactDoesNotNeed) {
   link.settle();
   ASSERT_EQ(link.settled_, (SettledList{{1, Goal::kExact}}));
   const SplitForest& forest = bumpy()->forest();
-  const TargetSet exact = bumpy()->exactFinder()->select(viewOfPose(pose, forest.grid));
+  const TargetSet exact = selectExact(*bumpy()->fullMesh(), viewOfPose(pose, forest.grid));
   const VertexId blocksEnd = forest.levelBegin[1 + bumpy()->blocks().size()];
   for (VertexId v = forest.baseVertexCount(); v < forest.vertexCount(); ++v) {
     const bool wanted = v < blocksEnd || (exact.classes[0][v / 64] >> (v % 64) & 1) != 0;
@@ -437,7 +440,7 @@ TEST(Session, DroppedSplitsComeAgainWhenNeeded) {
   Link link;
   link.hello();
   link.open("bumpy");
-  link.look({1, 0, 0}, Goal::kSettled);
+  link.look({1, 0, 0}, Goal::kExact);
   link.settle();
   // Nothing is built on the finest split.
   const SplitForest& forest = bumpy()->forest();

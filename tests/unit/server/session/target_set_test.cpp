@@ -211,14 +211,13 @@ TEST(TargetSet, FinerBoundsNeedMore) {
 }
 
 /// Slow oracle of `exact`: silhouettes found from the definition, face by face, in double.
-TEST(ExactFinder, NeedsBothFacesOfEverySilhouetteEdge) {
+TEST(ExactSet, NeedsBothFacesOfEverySilhouetteEdge) {
   const SplitForest& forest = bumpy()->forest();
-  const ExactFinder& finder = *bumpy()->exactFinder();
   for (const glm::dvec3& direction : directions()) {
     protocol::Pose pose = poseAt(bumpy()->info(), direction, 2.0);
     pose.silhouette = protocol::Silhouette::kEdges;
     const View view = viewOfPose(pose, forest.grid);
-    const TargetSet set = finder.select(view);
+    const TargetSet set = selectExact(*bumpy()->fullMesh(), view);
     HaveSet have = baseOf(forest);
     ScheduleCursor cursor;
     for (const VertexId v : nextSplits(set, have, forest.splitCount(), cursor))
@@ -252,10 +251,10 @@ TEST(ExactFinder, NeedsBothFacesOfEverySilhouetteEdge) {
   }
 }
 
-TEST(ExactFinder, SmoothNeedsTheRingsOfCrossedFaces) {
+TEST(ExactSet, SmoothNeedsTheRingsOfCrossedFaces) {
   const SplitForest& forest = bumpy()->forest();
   const View view = viewOfPose(poseAt(bumpy()->info(), {1, 1, 1}), forest.grid);
-  const auto needed = bumpy()->exactFinder()->neededFaces(view);
+  const auto needed = facesOfExact(*bumpy()->fullMesh(), view);
   // A face that shares a corner with a crossed one is needed; crossed ones are found by the faces'
   // being surrounded by needed faces only.
   const auto count = static_cast<std::size_t>(std::ranges::count(needed, 1));
@@ -264,7 +263,7 @@ TEST(ExactFinder, SmoothNeedsTheRingsOfCrossedFaces) {
   HaveSet have = baseOf(forest);
   ScheduleCursor cursor;
   for (const VertexId v :
-       nextSplits(bumpy()->exactFinder()->select(view), have, forest.splitCount(), cursor))
+       nextSplits(selectExact(*bumpy()->fullMesh(), view), have, forest.splitCount(), cursor))
     have.add(v);
   for (std::size_t f = 0; f < needed.size(); ++f) {
     if (needed[f] == 0) continue;

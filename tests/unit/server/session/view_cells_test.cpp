@@ -16,6 +16,12 @@ const std::shared_ptr<const Model>& sphere() {
   return model;
 }
 
+HaveSet baseOf(const Model& model) {
+  HaveSet have(model.forest().vertexCount());
+  have.addRange(0, model.forest().baseVertexCount());
+  return have;
+}
+
 TEST(ViewCellOf, NearPosesShareACellAndItsView) {
   const auto& info = sphere()->info();
   const ViewCell a = viewCellOf(poseAt(info, {0.1, 0.1, 1.0}, 3.0), info);
@@ -117,11 +123,11 @@ TEST(ViewCells, ADroppedTicketIsNotComputed) {
   ManualTasks tasks;
   ViewCells cells(tasks, {});
   const protocol::Pose pose = poseAt(sphere()->info(), {0, 0, 1});
-  auto ticket = cells.pose(sphere(), pose, ViewCells::Need::kExact);
+  auto ticket = cells.pose(sphere(), pose, ViewCells::Need::kExact, baseOf(*sphere()));
   ticket = nullptr;
   tasks.runAll();
   EXPECT_EQ(cells.computed(), 0U);
-  ticket = cells.pose(sphere(), pose, ViewCells::Need::kExact);
+  ticket = cells.pose(sphere(), pose, ViewCells::Need::kExact, baseOf(*sphere()));
   tasks.runAll();
   EXPECT_EQ(cells.computed(), 1U);
   EXPECT_NE(ticket->set, nullptr);

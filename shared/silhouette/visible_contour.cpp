@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+// Based on: P. Mohr, "Silhouette Rendering of Complex Shapes with Stylized Lines" (thesis), 2013,
+// §3.4 (the depth image is asked at a line's pixel and its eight neighbours).
+// The rules are those of client/stroke/visibility: only neighbours on the silhouette's outward side
+// are asked, three must be free, concave silhouettes are hidden by their own surface, the bias
+// follows the slope of the surface, and most of a segment decides for all of it.
+#include "shared/silhouette/visible_contour.h"
+
+#include "shared/silhouette/trace.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace limn {
+namespace {
+
+constexpr int kFreeNeighbours = 3;
+constexpr double kReachPx = 0.75;
+constexpr double kFloorSteps = 2.0;  // grid units
+
+/// One silhouette segment in the picture.
+struct Segment {
+  glm::dvec3 from{0.0};  // pixels and nearness
+  glm::dvec3 to{0.0};
+  glm::vec2 outward{0.0F};  // unit, pixels; 0: unknown
+  double bias = 0.0;        // nearness
+};
+
+class Judge {
+ public:
+  Judge(
+      const SilhouetteField& field,
+      const PictureView& picture,
+      std::span<const glm::vec3> projected,
+      const NearnessImage& image)
+      : field_(field),
+        mesh_(field.mesh()),
+        picture_(picture),
+        projected_(projected),
+        image_(image) {}
+
+  /// A silhouette edge, h of its front face. False: hidden by its own faces, or not in the picture.
+  bool edgeSegment(HalfEdgeId h, Segment& segment) const {
+    const std::uint32_t a = mesh_.origin(h);
+    const std::uint32_t b = mesh_.target(h);
+    if (isConcave(h)) return false;
+    segment.from = glm::dvec3(projected_[a]);
+    segment.to = glm::dvec3(projected_[b]);
+    if (!inPicture(segment)) return false;
+    const glm::dvec3 away =
+        unitNormal(HalfEdgeMesh::face(h)) + unitNormal(HalfEdgeMesh::face(mesh_.twin(h)));
+    segment.outward = outward(segment, 0.5 * (position(a) + position(b)), away);
+    segment.bias = floorAt(segment) + slope(HalfEdgeMesh::face(h));
+    return true;
+  }
+
+  /// A segment of the smooth silhouette within a face.
+  bool faceSegment(FaceId face, const SmoothWalk& walk, Segment& segment) const {
+    const glm::dvec3 a(walk.entryPoint());
+    const glm::dvec3 b(walk.exitPoint());
+    const glm::dvec3 n = normal(face);
+    const glm::dvec3 middle = 0.5 * (a + b);
+    const glm::dvec3 toEye = picture_.orthographic ? -picture_.forward : picture_.eye - middle;
+    if (glm::dot(glm::cross(n, b - a), toEye) < 0.0) return false;
+    segment.from = picture_.project(a);
+    segment.to = picture_.project(b);
+    if (!inPicture(segment)) return false;
+    segment.outward = outward(segment, middle, n);
+    float low = projected_[mesh_.origins[3 * face]].z;
+    float high = low;
+    for (HalfEdgeId h = 3 * face + 1; h < 3 * face + 3; ++h) {
+      low = std::min(low, projected_[mesh_.origins[h]].z);
+      high = std::max(high, projected_[mesh_.origins[h]].z);
+    }
+    segment.bias = floorAt(segment) + (high - low);
+    return true;
+  }
+
+  /// Whether most of a segment is visible.
+  [[nodiscard]] bool isVisible(const Segment& segment) const {
+    const double length = glm::distance(glm::dvec2(segment.from), glm::dvec2(segment.to));
+    const int steps = std::clamp(static_cast<int>(std::ceil(length)), 1, 10'000);
+    int seen = 0;
+    for (int i = 0; i < steps; ++i)
+      seen += test(segment, (i + 0.5) / steps) ? 1 : 0;
+    return 2 * seen > steps;
+  }
+
+ private:
+  [[nodiscard]] glm::dvec3 position(std::uint32_t v) const {
+    return glm::dvec3(field_.positions()[v]);
+  }
+
+  [[nodiscard]] glm::dvec3 normal(FaceId face) const {
+    const glm::dvec3 a = position(mesh_.origins[3 * face]);
+    return glm::cross(
+        position(mesh_.origins[3 * face + 1]) - a,
+        position(mesh_.origins[3 * face + 2]) - a);
+  }
+
+  [[nodiscard]] glm::dvec3 unitNormal(FaceId face) const {
+    const glm::dvec3 n = normal(face);
+    const double length = glm::length(n);
+    return length > 0.0 ? n / length : n;
+  }
+
+  /// Exact: grid coordinates keep the triple product within 64 bits.
+  [[nodiscard]] bool isConcave(HalfEdgeId h) const {
+    using Wide = glm::tvec3<std::int64_t>;
+    const auto at = [&](HalfEdgeId e) { return Wide(field_.positions()[mesh_.origin(e)]); };
+    const Wide a = at(h);
+    const Wide ab = at(HalfEdgeMesh::next(h)) - a;
+    const Wide ac = at(HalfEdgeMesh::prev(h)) - a;
+    const Wide ad = at(HalfEdgeMesh::prev(mesh_.twin(h))) - a;
+    const Wide n(ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x);
+    return n.x * ad.x + n.y * ad.y + n.z * ad.z > 0;
+  }
+
+  [[nodiscard]] bool inPicture(const Segment& segment) const {
+    if (!picture_.orthographic && (segment.from.z == 0.0 || segment.to.z == 0.0)) return false;
+    const glm::dvec2 low = glm::min(glm::dvec2(segment.from), glm::dvec2(segment.to));
+    const glm::dvec2 high = glm::max(glm::dvec2(segment.from), glm::dvec2(segment.to));
+    return high.x >= 0.0 && high.y >= 0.0 && low.x <= picture_.width && low.y <= picture_.height;
+  }
+
+  [[nodiscard]] double floorAt(const Segment& segment) const {
+    const double z = 0.5 * (segment.from.z + segment.to.z);
+    return picture_.nearnessOf(kFloorSteps, z) + 1e-6 * std::abs(z);
+  }
+
+  /// How much nearer a face may get within reach of a line on it.
+  [[nodiscard]] double slope(FaceId face) const {
+    std::array<glm::dvec3, 3> p{};
+    for (HalfEdgeId k = 0; k < 3; ++k)
+      p[k] = glm::dvec3(projected_[mesh_.origins[3 * face + k]]);
+    const glm::dvec3 u = p[1] - p[0];
+    const glm::dvec3 v = p[2] - p[0];
+    const double area = u.x * v.y - u.y * v.x;
+    const double range = std::max({p[0].z, p[1].z, p[2].z}) - std::min({p[0].z, p[1].z, p[2].z});
+    if (std::abs(area) <= 1e-12) return range;
+    const double perX = (u.z * v.y - v.z * u.y) / area;
+    const double perY = (v.z * u.x - u.z * v.x) / area;
+    return std::min(range, kReachPx * (std::abs(perX) + std::abs(perY)));
+  }
+
+  /// The side of the segment in the picture that a direction in space points to.
+  [[nodiscard]] glm::vec2
+  outward(const Segment& segment, const glm::dvec3& middle, const glm::dvec3& away) const {
+    const double length = glm::length(away);
+    if (!(length > 0.0)) return {};
+    const double reach = 1e-4 * (picture_.orthographic ? 1.0 : glm::distance(middle, picture_.eye));
+    const glm::dvec2 aside =
+        glm::dvec2(picture_.project(middle + away * (reach / length)) - picture_.project(middle));
+    const glm::dvec2 along(segment.to - segment.from);
+    glm::dvec2 across(-along.y, along.x);
+    const double size = glm::length(across);
+    if (!(size > 1e-9)) return {};
+    if (glm::dot(across, aside) < 0.0) across = -across;
+    return glm::vec2(across / size);
+  }
+
+  [[nodiscard]] bool test(const Segment& segment, double t) const {
+    const glm::dvec3 p = glm::mix(segment.from, segment.to, t);
+    if (p.x < 0.0 || p.y < 0.0 || p.x >= image_.width || p.y >= image_.height) return false;
+    const auto column = static_cast<int>(p.x);
+    const auto row = static_cast<int>(p.y);
+    const auto limit = static_cast<float>(p.z + segment.bias);
+    int free = 0;
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const glm::vec2 aside(static_cast<float>(dx), static_cast<float>(dy));
+        if (glm::dot(aside, segment.outward) < -0.1F) continue;
+        const int x = std::clamp(column + dx, 0, image_.width - 1);
+        const int y = std::clamp(row + dy, 0, image_.height - 1);
+        if (image_.at(x, y) <= limit && ++free == kFreeNeighbours) return true;
+      }
+    }
+    return false;
+  }
+
+  const SilhouetteField& field_;
+  const HalfEdgeMesh& mesh_;
+  const PictureView& picture_;
+  std::span<const glm::vec3> projected_;
+  const NearnessImage& image_;
+};
+
+void appendPoints(
+    const Segment& segment,
+    std::uint32_t name,
+    const PictureView& picture,
+    double spacingPx,
+    std::vector<ContourPoint>& points) {
+  const glm::dvec2 from(segment.from);
+  const glm::dvec2 to(segment.to);
+  const double length = glm::distance(from, to);
+  const int steps = std::clamp(static_cast<int>(std::ceil(length / spacingPx)), 1, 100'000);
+  const auto each = static_cast<float>(length / steps);
+  for (int i = 0; i < steps; ++i) {
+    const glm::dvec2 p = glm::mix(from, to, (i + 0.5) / steps);
+    if (p.x < 0.0 || p.y < 0.0 || p.x > picture.width || p.y > picture.height) continue;
+    points.push_back({glm::vec2(p), each, name});
+  }
+}
+
+}  // namespace
+
+const std::vector<ContourPoint>& VisibleContourFinder::find(
+    const SilhouetteField& field,
+    const PictureView& picture,
+    double spacingPx) {
+  const HalfEdgeMesh& mesh = field.mesh();
+  projected_.resize(field.positions().size());
+  for (std::size_t v = 0; v < projected_.size(); ++v)
+    projected_[v] = glm::vec3(picture.project(glm::dvec3(field.positions()[v])));
+  bool closed = true;
+  for (const HalfEdgeId twin : mesh.twins)
+    closed = closed && twin != kNone;
+  image_.width = picture.width;
+  image_.height = picture.height;
+  drawNearness(
+      mesh.triangles(),
+      projected_,
+      closed ? Occluders::kFrontFaces : Occluders::kBothSides,
+      image_);
+
+  const glm::vec4 eye = field.eyeOf(picture.silhouetteView());
+  front_.resize(field.planes().size());
+  for (std::uint32_t site = 0; site < front_.size(); ++site)
+    front_[site] = field.isFront(site, eye) ? 1 : 0;
+  points_.clear();
+  const Judge judge(field, picture, projected_, image_);
+  Segment segment;
+  if (field.kind() == SilhouetteKind::kEdges) {
+    for (HalfEdgeId h = 0; h < mesh.twins.size(); ++h) {
+      if (front_[HalfEdgeMesh::face(h)] == 0 || mesh.twins[h] == kNone) continue;
+      if (front_[HalfEdgeMesh::face(mesh.twins[h])] != 0) continue;
+      if (judge.edgeSegment(h, segment) && judge.isVisible(segment)) {
+        appendPoints(segment, h, picture, spacingPx, points_);
+      }
+    }
+    return points_;
+  }
+  const auto triangles = mesh.triangles();
+  SmoothWalk walk(field, eye);
+  for (FaceId f = 0; f < triangles.size(); ++f) {
+    const glm::uvec3& t = triangles[f];
+    if (front_[t.x] == front_[t.y] && front_[t.y] == front_[t.z]) continue;
+    if (!walk.start(f)) continue;
+    if (judge.faceSegment(f, walk, segment) && judge.isVisible(segment)) {
+      appendPoints(segment, f, picture, spacingPx, points_);
+    }
+  }
+  return points_;
+}
+
+}  // namespace limn
