@@ -15,9 +15,9 @@ BuiltStrokes StrokeBuilder::build(
   measureSpines(spines_, arcs_);
   sampleSpines(spines_, arcs_, lines, scene, options.samples, samples_);
   const float period = texturePeriod(style, options.widthPx);
-  freshParameters(spines_, arcs_, lines, period, parameters_);
+  coherence_.assign(spines_, arcs_, lines, scene, period, parameters_);
   tessellate({spines_, arcs_, fades_, samples_, parameters_}, style, options.widthPx, mesh_);
-  return {samples_, mesh_};
+  return {samples_, mesh_, spines_, parameters_};
 }
 
 }  // namespace limn

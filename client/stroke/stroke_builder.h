@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/coherent_parameters.h"
 #include "client/stroke/line_fade.h"
 #include "client/stroke/line_scene.h"
 #include "client/stroke/parameters.h"
@@ -17,16 +18,19 @@ namespace limn {
 struct StrokeBuildOptions {
   float widthPx = 2.5F;   // of the ink
   float mergePx = 0.35F;  // spine points closer than this are one
-  SampleOptions samples;
+  SampleOptions samples{};
 };
 
 /// What a frame's lines become for the GPU: strips, and the samples that say where they are hidden.
 struct BuiltStrokes {
   const SpineSamples& samples;
   const StrokeMesh& mesh;
+  const SpineSet& spines;
+  const SpineParameters& parameters;
 };
 
-/// Chained lines to strokes: projection, fading, smoothing, samples and strips, one after another.
+/// Chained lines to strokes: projection, fading, smoothing, samples, parameters and strips, one
+/// after another. Parameters follow the frame before, so one builder draws one view's frames.
 /// Keeps its memory from frame to frame, so that a frame allocates nothing once it is warm.
 /// Threads: one caller at a time.
 class StrokeBuilder {
@@ -45,6 +49,7 @@ class StrokeBuilder {
   SpineArcs arcs_;
   SpineSamples samples_;
   SpineParameters parameters_;
+  CoherentParameters coherence_;
   StrokeMesh mesh_;
 };
 
