@@ -48,7 +48,7 @@ Result<void> StreamDecoder::beginModel(const protocol::ModelInfo& info) {
   model_ = describe(info);
   levelBegin_ = info.levelBegin;
   blockLevels_ = info.blockLevels;
-  splitModel_ = std::move(*splitModel);
+  splits_ = SplitDecoder(std::move(*splitModel));
   seedBytesExpected_ = info.seedBytes;
   return {};
 }
@@ -123,7 +123,7 @@ Result<void> StreamDecoder::undo(std::span<const VertexId> ids) {
 Result<void> StreamDecoder::takeSplits(protocol::Bytes splits) {
   // Even a run that fails half-way may have changed the mesh.
   ++revision_;
-  const auto applied = decodeSplits(splits, splitModel_, mesh_);
+  const auto applied = splits_.decode(splits, mesh_);
   if (!applied) return tl::unexpected(applied.error().within("vertex splits"));
   if (complete() && mesh_.mesh().faceCount() != model_->faces) {
     return fail(
@@ -138,7 +138,7 @@ void StreamDecoder::drop() {
   model_.reset();
   levelBegin_.clear();
   blockLevels_ = 0;
-  splitModel_ = {};
+  splits_ = {};
   mesh_ = {};
   hasBase_ = false;
   seeds_.reset();

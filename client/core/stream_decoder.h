@@ -73,7 +73,7 @@ class StreamDecoder {
   std::optional<ModelDescription> model_;
   std::vector<std::uint32_t> levelBegin_;
   std::uint32_t blockLevels_ = 0;
-  SplitModel splitModel_;
+  SplitDecoder splits_;
   ActiveMesh mesh_;
   bool hasBase_ = false;
   std::shared_ptr<const SeedTable> seeds_;

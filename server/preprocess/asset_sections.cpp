@@ -9,7 +9,6 @@
 #include "shared/codec/split_codec.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace limn {
 namespace {
@@ -27,12 +26,6 @@ std::uint32_t chooseBlockLevels(const SplitForest& forest) {
   while (levels + 1 < forest.levelCount() && forest.levelBegin[levels + 1] < wanted)
     ++levels;
   return levels;
-}
-
-std::vector<VertexId> idRange(VertexId begin, VertexId end) {
-  std::vector<VertexId> ids(end - begin);
-  std::iota(ids.begin(), ids.end(), begin);
-  return ids;
 }
 
 }  // namespace
@@ -56,7 +49,8 @@ WireSections encodeWireSections(
     const SeedTable& seeds,
     const AssetIdentity& identity) {
   const SplitForest& forest = built.forest;
-  const SplitModel model = trainSplitModel(forest);
+  const LevelFronts fronts = frontsOf(forest);
+  const SplitModel model = trainSplitModel(forest, fronts);
   const std::vector<std::uint8_t> modelBytes = serializeSplitModel(model);
   const BoundingSphere sphere = boundingSphere(forest.grid, forest.positions);
   const std::uint32_t blockLevels = chooseBlockLevels(forest);
@@ -87,10 +81,12 @@ WireSections encodeWireSections(
   sections.featureBytes = features.size();
 
   for (std::uint32_t level = 1; level <= blockLevels; ++level) {
-    const auto splits = encodeSplits(
+    const auto splits = encodeLevelRun(
         forest,
         model,
-        idRange(forest.levelBegin[level], forest.levelBegin[level + 1]));
+        fronts,
+        forest.levelBegin[level],
+        forest.levelBegin[level + 1]);
     const auto message = protocol::encodeMessage(
         protocol::LevelBlock{.level = static_cast<std::uint8_t>(level), .splits = splits});
     protocol::appendFrame(sections.blocks, message);
@@ -102,7 +98,7 @@ WireSections encodeWireSections(
     for (VertexId begin = forest.levelBegin[level]; begin < forest.levelBegin[level + 1];
          begin += kPacketSplits) {
       const VertexId end = std::min(begin + kPacketSplits, forest.levelBegin[level + 1]);
-      const auto splits = encodeSplits(forest, model, idRange(begin, end));
+      const auto splits = encodeLevelRun(forest, model, fronts, begin, end);
       const auto message = protocol::encodeMessage(protocol::Packet{.splits = splits});
       protocol::appendFrame(sections.packets, message);
       bytes += frameBytes(message.size());

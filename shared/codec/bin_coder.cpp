@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Based on: J. Duda, "Asymmetric numeral systems", arXiv 1311.2540; the coder is Draco's.
+// Based on: J. Duda, "Asymmetric numeral systems", arXiv 1311.2540; the coder is Draco's
+// RAnsEncoder<12>, and the reader undoes what it does, a symbol at a time and without its tables.
 #include "shared/codec/bin_coder.h"
 
 #include <draco/compression/entropy/ans.h>
@@ -9,64 +10,34 @@
 #include <cmath>
 
 namespace limn {
-namespace {
-
-// The state that ans_write_init starts from (ans.h keeps its name to itself).
-constexpr std::uint32_t kInitialState = 4096;
-
-}  // namespace
 
 void BinWriter::finish(std::vector<std::uint8_t>& bytes) const {
-  // A bin moves at most one byte out of the coder's state, and its end takes up to three.
+  // A symbol moves at most two bytes out of the coder's state, and its end takes up to four.
   const std::size_t begin = bytes.size();
-  bytes.resize(begin + bins_.size() + 4);
-  draco::AnsCoder coder;
-  draco::ans_write_init(&coder, bytes.data() + begin);
-  for (auto bin = bins_.rbegin(); bin != bins_.rend(); ++bin) {
-    draco::rabs_desc_write(&coder, *bin & 1, static_cast<draco::AnsP8>(*bin >> 1));
+  bytes.resize(begin + 2 * symbols_.size() + 4);
+  draco::RAnsEncoder<12> coder;
+  coder.write_init(bytes.data() + begin);
+  for (auto symbol = symbols_.rbegin(); symbol != symbols_.rend(); ++symbol) {
+    const draco::rans_sym sym{symbol->size, symbol->begin};
+    coder.rans_write(&sym);
   }
-  bytes.resize(begin + static_cast<std::size_t>(draco::ans_write_end(&coder)));
+  bytes.resize(begin + static_cast<std::size_t>(coder.write_end()));
 }
 
-double BinWriter::entropyBits() const {
-  double bits = 0.0;
-  for (const std::uint16_t bin : bins_) {
-    const int zero = bin >> 1;
-    bits -= std::log2(((bin & 1) != 0 ? 256 - zero : zero) / 256.0);
-  }
-  return bits;
-}
-
-BinReader::BinReader(
-    std::span<const Probability> probabilities,
-    std::span<const std::uint8_t> bytes)
-    : probabilities_(probabilities),
+BinReader::BinReader(std::span<const Probability> table, std::span<const std::uint8_t> bytes)
+    : states_(table.begin(), table.end()),
       bytes_(bytes) {
-  draco::AnsDecoder decoder;
-  valid_ = !bytes.empty() &&
-           draco::ans_read_init(&decoder, bytes.data(), static_cast<int>(bytes.size())) == 0;
-  if (!valid_) return;
-  offset_ = decoder.buf_offset;
-  state_ = decoder.state;
-}
-
-bool BinReader::code(std::uint32_t context, bool) {
-  draco::AnsDecoder decoder;
-  decoder.buf = bytes_.data();
-  decoder.buf_offset = offset_;
-  decoder.state = state_;
-  const bool bit = draco::rabs_desc_read(&decoder, probabilities_[context]) != 0;
-  offset_ = decoder.buf_offset;
-  state_ = decoder.state;
-  return bit;
-}
-
-bool BinReader::isFinished() const {
-  if (!valid_) return false;
-  if (offset_ == 0) return state_ == kInitialState;
-  // Draco refills the state before a bin, not after: when the last bin was the least likely one,
-  // the byte that the writer moved out before anything else is still there.
-  return offset_ == 1 && state_ * 256 + bytes_[0] == kInitialState;
+  // The last byte's two top bits say how many more bytes the state takes.
+  if (bytes.empty()) return;
+  const std::size_t length = (bytes.back() >> 6) + 1U;
+  if (length > bytes.size()) return;
+  std::uint32_t state = bytes.back() & 0x3FU;
+  for (std::size_t i = 2; i <= length; ++i)
+    state = state << 8 | bytes[bytes.size() - i];
+  if (state >= kLow * 255) return;
+  state_ = state + kLow;
+  left_ = bytes.size() - length;
+  valid_ = true;
 }
 
 std::vector<Probability> BinCounter::probabilities() const {

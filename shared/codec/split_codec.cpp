@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A run of splits: varint 2·count + contiguous, (contiguous: varint first id), then one binary rANS
+// A run of splits: varint 2·count + (1: a level run), (level run: varint first id), then one rANS
 // stream with, split by split, name, cut, features, position (split_syntax.h).
 #include "shared/codec/split_codec.h"
 
@@ -23,73 +23,135 @@ using split_syntax::Weights;
 
 constexpr std::uint32_t kMaxRunSplits = 1U << 20;
 
+tl::unexpected<Error> damaged(const char* what) {
+  return fail(ErrorCode::kCorrupt, std::string("splits are damaged: ") + what);
+}
+
 Neighbourhood neighbourhoodOf(const SplitForest& forest, VertexId v) {
   Neighbourhood n;
   const auto ring = forest.ring(v);
   n.parent = forest.positions[forest.parent(v)];
   n.size = static_cast<std::uint32_t>(std::min<std::size_t>(ring.size(), kMaxRing));
   for (std::uint32_t i = 0; i < n.size; ++i)
-    n.ring[i] = forest.positions[ring[i]];
+    n.ring[i] = forest.positions[ring[i]] - n.parent;
   n.isPath = (forest.features[v - forest.baseVertexCount()] & kSplitParentOnBorder) != 0;
   return n;
 }
 
+// What follows a split's name.
 template <class Bins>
-void encodeRun(
+void encodeShape(Bins& bins, const SplitForest& forest, const Weights& weights, VertexId v) {
+  const std::uint32_t s = v - forest.baseVertexCount();
+  const Neighbourhood n = neighbourhoodOf(forest, v);
+  RingCut cut = forest.cuts[s];
+  split_syntax::codeCut(bins, n, cut);
+  split_syntax::codeFeatures(bins, forest.features[s]);
+  glm::ivec3 position = forest.positions[v];
+  const auto prediction = split_syntax::predict(n, split_syntax::fanOf(n, cut));
+  split_syntax::codePosition(bins, n, prediction, weights, position);
+}
+
+template <class Bins>
+void encodeAnyRun(
     Bins& bins,
     const SplitForest& forest,
     const Weights& weights,
-    std::span<const VertexId> ids,
-    bool contiguous) {
+    std::span<const VertexId> ids) {
   NameState names;
-  if (!ids.empty() && contiguous) names.nextId = ids.front();
   for (const VertexId id : ids) {
-    const std::uint32_t s = id - forest.baseVertexCount();
     VertexId vertex = id;
-    VertexId parent = forest.parents[s];
-    split_syntax::codeName(bins, names, forest.levelBegin, contiguous, vertex, parent);
-    const Neighbourhood n = neighbourhoodOf(forest, id);
-    RingCut cut = forest.cuts[s];
-    split_syntax::codeCut(bins, n, cut);
-    split_syntax::codeFeatures(bins, forest.features[s]);
-    glm::ivec3 position = forest.positions[id];
-    split_syntax::codePosition(bins, n, split_syntax::predict(n, cut), weights, position);
+    VertexId parent = forest.parent(id);
+    split_syntax::codeName(bins, names, forest.levelBegin, vertex, parent);
+    encodeShape(bins, forest, weights, id);
   }
+}
+
+// The first vertex that can be the parent of `first` in a level run.
+VertexId firstParent(const SplitForest& forest, VertexId first) {
+  const bool startsLevel = forest.levelBegin[forest.levelOf(first)] == first;
+  return startsLevel ? 0 : forest.parent(first - 1) + 1;
+}
+
+template <class Bins>
+void encodeLevelRun(
+    Bins& bins,
+    const SplitForest& forest,
+    const Weights& weights,
+    std::span<const std::uint8_t> front,
+    VertexId begin,
+    VertexId end) {
+  VertexId next = firstParent(forest, begin);
+  for (VertexId v = begin; v < end; ++v) {
+    next = split_syntax::codeParent(bins, front, next, forest.parent(v)) + 1;
+    encodeShape(bins, forest, weights, v);
+  }
+}
+
+// Solves A x = b for a symmetric positive definite A, in place (Cholesky).
+template <std::size_t N>
+std::array<double, N> solve(std::array<std::array<double, N>, N>& a, std::array<double, N> x) {
+  for (std::size_t i = 0; i < N; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = a[i][j];
+      for (std::size_t k = 0; k < j; ++k)
+        sum -= a[i][k] * a[j][k];
+      a[i][j] = i == j ? std::sqrt(sum) : sum / a[j][j];
+    }
+  }
+  for (std::size_t i = 0; i < N; ++i) {
+    for (std::size_t k = 0; k < i; ++k)
+      x[i] -= a[i][k] * x[k];
+    x[i] /= a[i][i];
+  }
+  for (std::size_t i = N; i-- > 0;) {
+    for (std::size_t k = i + 1; k < N; ++k)
+      x[i] -= a[k][i] * x[k];
+    x[i] /= a[i][i];
+  }
+  return x;
 }
 
 // Least squares over all splits of one fan length: which mix of the terms comes closest.
 Weights fitWeights(const SplitForest& forest) {
+  constexpr std::size_t kTerms = split_syntax::kTerms;
+
   struct Normal {
-    glm::dmat3 matrix{0.0};
-    glm::dvec3 right{0.0};
+    std::array<std::array<double, kTerms>, kTerms> matrix{};
+    std::array<double, kTerms> right{};
   };
 
   std::array<Normal, split_syntax::kWeightClasses> systems;
   for (VertexId v = forest.baseVertexCount(); v < forest.vertexCount(); ++v) {
     const Neighbourhood n = neighbourhoodOf(forest, v);
-    const auto p = split_syntax::predict(n, forest.cuts[v - forest.baseVertexCount()]);
-    const glm::dvec3 wanted =
-        16.0 * (glm::dvec3(forest.positions[v]) - glm::dvec3(n.parent)) - glm::dvec3(p.terms[0]);
-    const double reach =
-        std::exp2(p.scale / 2.0) * 16.0;  // so that large and small splits count alike
+    const auto fan = split_syntax::fanOf(n, forest.cuts[v - forest.baseVertexCount()]);
+    const auto p = split_syntax::predict(n, fan);
+    // So that large and small splits count alike.
+    const double scale = std::exp2(-p.reach8 / 8.0) / 16.0;
     Normal& system = systems[p.weightClass];
     for (int axis = 0; axis < 3; ++axis) {
-      const glm::dvec3 row =
-          glm::dvec3(p.terms[1][axis], p.terms[2][axis], p.terms[3][axis]) / reach;
-      system.matrix += glm::outerProduct(row, row);
-      system.right += row * (wanted[axis] / reach);
+      const double wanted = 16.0 * (forest.positions[v][axis] - n.parent[axis]);
+      const double missing = (wanted - static_cast<double>(p.fan[axis])) * scale;
+      std::array<double, kTerms> row;
+      for (std::size_t t = 0; t < kTerms; ++t)
+        row[t] = static_cast<double>(p.terms[t][axis]) * scale;
+      for (std::size_t i = 0; i < kTerms; ++i) {
+        for (std::size_t j = 0; j <= i; ++j)
+          system.matrix[i][j] += row[i] * row[j];
+        system.right[i] += row[i] * missing;
+      }
     }
   }
   Weights weights{};
   for (std::size_t c = 0; c < systems.size(); ++c) {
-    glm::dmat3 matrix = systems[c].matrix;
-    const double trace = matrix[0][0] + matrix[1][1] + matrix[2][2];
+    double trace = 0.0;
+    for (std::size_t i = 0; i < kTerms; ++i)
+      trace += systems[c].matrix[i][i];
     if (trace <= 0.0) continue;
-    for (int i = 0; i < 3; ++i)
-      matrix[i][i] += 1e-6 * trace;  // keeps it regular
-    const glm::dvec3 solution = glm::inverse(matrix) * systems[c].right;
-    for (int i = 0; i < 3; ++i) {
-      weights[c][static_cast<std::size_t>(i)] =
+    for (std::size_t i = 0; i < kTerms; ++i)
+      systems[c].matrix[i][i] += 1e-5 * trace;  // keeps it regular
+    const auto solution = solve(systems[c].matrix, systems[c].right);
+    for (std::size_t i = 0; i < kTerms; ++i) {
+      weights[c][i] =
           static_cast<std::int16_t>(std::clamp(std::lround(256.0 * solution[i]), -2048L, 2047L));
     }
   }
@@ -120,19 +182,23 @@ std::vector<VertexId> splitsOfView(const SplitForest& forest, const glm::vec3& t
 
 }  // namespace
 
-SplitModel trainSplitModel(const SplitForest& forest) {
+SplitModel trainSplitModel(const SplitForest& forest, const LevelFronts& fronts) {
   SplitModel model;
   model.weights = fitWeights(forest);
   BinCounter counter(kContexts);
-  std::vector<VertexId> all(forest.splitCount());
-  for (std::uint32_t s = 0; s < all.size(); ++s)
-    all[s] = forest.baseVertexCount() + s;
-  encodeRun(counter, forest, model.weights, all, true);
+  for (std::uint32_t level = 1; level < forest.levelCount(); ++level) {
+    encodeLevelRun(
+        counter,
+        forest,
+        model.weights,
+        fronts[level],
+        forest.levelBegin[level],
+        forest.levelBegin[level + 1]);
+  }
   for (const glm::vec3& toEye : {glm::vec3(0, 0, 1), glm::vec3(0.8F, 0.6F, 0)}) {
-    encodeRun(counter, forest, model.weights, splitsOfView(forest, toEye), false);
+    encodeAnyRun(counter, forest, model.weights, splitsOfView(forest, toEye));
   }
   model.probabilities = counter.probabilities();
-  model.probabilities[split_syntax::kRaw] = 128;
   return model;
 }
 
@@ -165,10 +231,11 @@ std::vector<std::uint8_t> serializeSplitModel(const SplitModel& model) {
 Result<SplitModel> parseSplitModel(std::span<const std::uint8_t> bytes) {
   SplitModel model;
   const auto damaged = [] { return fail(ErrorCode::kCorrupt, "split model is damaged"); };
-  constexpr std::size_t kWeightBytes = 2 * 3 * split_syntax::kWeightClasses;
+  constexpr std::size_t kWeightBytes = 2 * split_syntax::kTerms * split_syntax::kWeightClasses;
   if (bytes.size() < kWeightBytes) return damaged();
   for (std::size_t i = 0; i < kWeightBytes / 2; ++i) {
-    model.weights[i / 3][i % 3] = static_cast<std::int16_t>(bytes[2 * i] | bytes[2 * i + 1] << 8);
+    model.weights[i / split_syntax::kTerms][i % split_syntax::kTerms] =
+        static_cast<std::int16_t>(bytes[2 * i] | bytes[2 * i + 1] << 8);
   }
   bytes = bytes.subspan(kWeightBytes);
   while (!bytes.empty()) {
@@ -194,72 +261,111 @@ Result<SplitModel> parseSplitModel(std::span<const std::uint8_t> bytes) {
 std::vector<std::uint8_t>
 encodeSplits(const SplitForest& forest, const SplitModel& model, std::span<const VertexId> ids) {
   LIMN_ASSERT(std::is_sorted(ids.begin(), ids.end()));
-  const bool contiguous = !ids.empty() && ids.back() - ids.front() + 1 == ids.size();
   std::vector<std::uint8_t> bytes;
-  appendVarint(2 * ids.size() + (contiguous ? 1 : 0), bytes);
-  if (contiguous) appendVarint(ids.front(), bytes);
+  appendVarint(2 * ids.size(), bytes);
   BinWriter bins(model.probabilities);
-  encodeRun(bins, forest, model.weights, ids, contiguous);
+  encodeAnyRun(bins, forest, model.weights, ids);
   bins.finish(bytes);
   return bytes;
 }
 
-Result<std::uint32_t>
-decodeSplits(std::span<const std::uint8_t> bytes, const SplitModel& model, ActiveMesh& mesh) {
-  const auto damaged = [](const char* what) {
-    return fail(ErrorCode::kCorrupt, std::string("splits are damaged: ") + what);
-  };
+std::vector<std::uint8_t> encodeLevelRun(
+    const SplitForest& forest,
+    const SplitModel& model,
+    const LevelFronts& fronts,
+    VertexId begin,
+    VertexId end) {
+  const std::uint32_t level = forest.levelOf(begin);
+  LIMN_ASSERT(begin < end && end <= forest.levelBegin[level + 1]);
+  std::vector<std::uint8_t> bytes;
+  appendVarint(2 * (end - begin) + 1, bytes);
+  appendVarint(begin, bytes);
+  BinWriter bins(model.probabilities);
+  encodeLevelRun(bins, forest, model.weights, fronts[level], begin, end);
+  bins.finish(bytes);
+  return bytes;
+}
+
+Result<std::uint32_t> SplitDecoder::decode(std::span<const std::uint8_t> bytes, ActiveMesh& mesh) {
   VarintReader header(bytes);
   const auto counted = header.read();
   if (!counted) return damaged("no count");
   const std::uint32_t count = *counted / 2;
-  const bool contiguous = (*counted & 1) != 0;
   if (count > kMaxRunSplits) {
     return fail(ErrorCode::kLimitExceeded, "a run claims " + std::to_string(count) + " splits");
   }
-  NameState names;
-  if (contiguous) {
+  const bool isLevelRun = (*counted & 1) != 0;
+  VertexId vertex = 0;      // of a level run: the next split's
+  VertexId nextParent = 0;  // of a level run: the first vertex that may be its parent
+  VertexId levelEnd = 0;
+  if (isLevelRun) {
     const auto first = header.read();
-    if (!first) return damaged("no first vertex");
-    names.nextId = *first;
+    if (!first || *first < mesh.baseVertexCount() || *first >= mesh.levelBegin().back()) {
+      return damaged("no first vertex");
+    }
+    vertex = *first;
+    const std::uint32_t level = mesh.levelOf(vertex);
+    levelEnd = mesh.levelBegin()[level + 1];
+    if (vertex != mesh.levelBegin()[level]) {
+      if (!mesh.holds(vertex - 1)) return damaged("a level run without what comes before");
+      nextParent = mesh.parentOf(vertex - 1) + 1;
+    }
+    if (frontLevel_ != level) {
+      frontLevel_ = 0;
+      auto front = frontClasses(mesh, level);
+      if (!front) return tl::unexpected(front.error());
+      front_ = std::move(*front);
+      frontLevel_ = level;
+    }
   }
-  BinReader bins(model.probabilities, header.rest());
+  BinReader bins(model_.probabilities, header.rest());
   if (!bins.isValid()) return damaged("no coded bits");
 
-  std::vector<VertexId> ring;
+  NameState names;
   for (std::uint32_t i = 0; i < count; ++i) {
     VertexSplit split;
-    split_syntax::codeName(bins, names, mesh.levelBegin(), contiguous, split.vertex, split.parent);
-    if (split.vertex < mesh.baseVertexCount() || split.vertex >= mesh.levelBegin().back()) {
-      return damaged("a vertex that the model does not have");
+    if (isLevelRun) {
+      if (vertex >= levelEnd) return damaged("more splits than its level has");
+      split.vertex = vertex++;
+      split.parent = split_syntax::codeParent(bins, front_, nextParent, kNone);
+      if (split.parent == kNone) return damaged("a split without parent");
+      nextParent = split.parent + 1;
+    } else {
+      split_syntax::codeName(bins, names, mesh.levelBegin(), split.vertex, split.parent);
+      if (split.vertex < mesh.baseVertexCount() || split.vertex >= mesh.levelBegin().back()) {
+        return damaged("a vertex that the model does not have");
+      }
     }
-    if (auto found = mesh.canonicalRing(split.parent, mesh.levelOf(split.vertex), ring); !found) {
-      return tl::unexpected(found.error());
+    if (auto shaped = decodeShape(bins, mesh, split); !shaped) {
+      return tl::unexpected(shaped.error());
     }
-    if (ring.size() > kMaxRing || ring.size() < 2)
-      return damaged("a parent with an impossible ring");
-    Neighbourhood n;
-    n.size = static_cast<std::uint32_t>(ring.size());
-    n.parent = mesh.positions()[mesh.slotOf(split.parent)];
-    for (std::uint32_t k = 0; k < n.size; ++k)
-      n.ring[k] = mesh.positions()[mesh.slotOf(ring[k])];
-    n.isPath = mesh.mesh().isBorderVertex(mesh.slotOf(split.parent));
-    RingCut cut;
-    if (!split_syntax::codeCut(bins, n, cut)) return damaged("no cut fits");
-    split.left = cut.left == RingCut::kNoCut ? kNone : ring[cut.left];
-    split.right = cut.right == RingCut::kNoCut ? kNone : ring[cut.right];
-    split.features = split_syntax::codeFeatures(bins, 0);
-    split_syntax::codePosition(
-        bins,
-        n,
-        split_syntax::predict(n, cut),
-        model.weights,
-        split.position);
-    if (!isOnGrid(split.position)) return damaged("a position off the grid");
     if (auto applied = mesh.apply(split); !applied) return tl::unexpected(applied.error());
   }
   if (!bins.isFinished()) return damaged("bytes left over or missing");
   return count;
+}
+
+Result<void>
+SplitDecoder::decodeShape(BinReader& bins, const ActiveMesh& mesh, VertexSplit& split) {
+  const auto found = mesh.canonicalRing(split.parent, mesh.levelOf(split.vertex), ring_);
+  if (!found) return tl::unexpected(found.error());
+  if (ring_.size() > kMaxRing || ring_.size() < 2)
+    return damaged("a parent with an impossible ring");
+  Neighbourhood n;
+  n.size = static_cast<std::uint32_t>(ring_.size());
+  n.parent = mesh.positions()[mesh.slotOf(split.parent)];
+  for (std::uint32_t k = 0; k < n.size; ++k)
+    n.ring[k] = mesh.positions()[mesh.slotOf(ring_[k])] - n.parent;
+  n.isPath = mesh.mesh().isBorderVertex(mesh.slotOf(split.parent));
+  RingCut cut;
+  if (!split_syntax::codeCut(bins, n, cut)) return damaged("no cut fits");
+  split.left = cut.left == RingCut::kNoCut ? kNone : ring_[cut.left];
+  split.right = cut.right == RingCut::kNoCut ? kNone : ring_[cut.right];
+  split.features = split_syntax::codeFeatures(bins, 0);
+  const auto prediction = split_syntax::predict(n, split_syntax::fanOf(n, cut));
+  split_syntax::codePosition(bins, n, prediction, model_.weights, split.position);
+  if (!isOnGrid(split.position)) return damaged("a position off the grid");
+  return {};
 }
 
 }  // namespace limn

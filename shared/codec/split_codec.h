@@ -2,6 +2,7 @@
 #pragma once
 
 #include "shared/codec/bin_coder.h"
+#include "shared/codec/front_classes.h"
 #include "shared/codec/split_syntax.h"
 #include "shared/core/ids.h"
 #include "shared/core/result.h"
@@ -22,22 +23,49 @@ struct SplitModel {
   split_syntax::Weights weights{};         // of the position's prediction
 };
 
-/// Measures a model's probabilities. Deterministic. Cost: O(splits).
-[[nodiscard]] SplitModel trainSplitModel(const SplitForest& forest);
+/// Measures a model's probabilities. fronts: frontsOf(forest). Deterministic. Cost: O(splits).
+[[nodiscard]] SplitModel trainSplitModel(const SplitForest& forest, const LevelFronts& fronts);
 
 [[nodiscard]] std::vector<std::uint8_t> serializeSplitModel(const SplitModel& model);
 [[nodiscard]] Result<SplitModel> parseSplitModel(std::span<const std::uint8_t> bytes);
 
 /// Codes splits for a client that holds (or gets in this run, before them) their prerequisites.
 /// ids: sorted, unique, none of the base. Pure; depends on nothing but its arguments, so equal
-/// selections give equal bytes. Cost: about 0.2 µs a split. Threads: reentrant.
+/// selections give equal bytes. Cost: about 0.5 µs a split. Threads: reentrant.
 [[nodiscard]] std::vector<std::uint8_t>
 encodeSplits(const SplitForest& forest, const SplitModel& model, std::span<const VertexId> ids);
 
-/// Decodes a run and applies it split by split. Total over any bytes: on an error (kCorrupt,
-/// kNonManifold, kLimitExceeded) the splits before it stay applied, and the mesh is valid.
-/// Returns the number of splits applied.
-[[nodiscard]] Result<std::uint32_t>
-decodeSplits(std::span<const std::uint8_t> bytes, const SplitModel& model, ActiveMesh& mesh);
+/// Codes the splits begin … end − 1 of one level for a client that holds every vertex of coarser
+/// levels and, of this one, the vertex before `begin`: their names cost a third of what they cost
+/// in encodeSplits. fronts: frontsOf(forest).
+[[nodiscard]] std::vector<std::uint8_t> encodeLevelRun(
+    const SplitForest& forest,
+    const SplitModel& model,
+    const LevelFronts& fronts,
+    VertexId begin,
+    VertexId end);
+
+/// Decodes runs of one model.
+class SplitDecoder {
+ public:
+  SplitDecoder() = default;
+
+  explicit SplitDecoder(SplitModel model) : model_(std::move(model)) {}
+
+  /// Decodes a run and applies it split by split to the client's mesh of the model. Total over any
+  /// bytes: on an error (kCorrupt, kNonManifold, kLimitExceeded) the splits before it stay applied,
+  /// and the mesh is valid. Returns the number of splits applied. Threads: one.
+  [[nodiscard]] Result<std::uint32_t> decode(std::span<const std::uint8_t> bytes, ActiveMesh& mesh);
+
+ private:
+  [[nodiscard]] Result<void>
+  decodeShape(BinReader& bins, const ActiveMesh& mesh, VertexSplit& split);
+
+  SplitModel model_;
+  // Of the level that the last level run belonged to, since several runs make a level; 0: none.
+  std::uint32_t frontLevel_ = 0;
+  std::vector<std::uint8_t> front_;
+  std::vector<VertexId> ring_;  // scratch
+};
 
 }  // namespace limn

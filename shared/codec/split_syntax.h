@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/codec/cut_odds.h"
+#include "shared/codec/neighbourhood.h"
+#include "shared/codec/position_prediction.h"
 #include "shared/progressive/vertex_split.h"
 
 #include <glm/glm.hpp>
@@ -17,47 +20,54 @@
 /// every platform agrees.
 namespace limn::split_syntax {
 
-inline constexpr std::uint32_t kMaxRing = 64;
-
 // ---- Contexts ----------------------------------------------------------------------------------
 
-inline constexpr std::uint32_t kMagnitudeBins = 20;  // unary bins of a number's bit length
+inline constexpr std::uint32_t kMagnitudeBins = 16;  // unary bins of a number's bit length
 /// A number ≥ 0 takes kNumberContexts contexts: its bit length in unary, then the bit below the
 /// top.
 inline constexpr std::uint32_t kNumberContexts = 2 * kMagnitudeBins;
-inline constexpr std::uint32_t kScales = 40;
+inline constexpr std::uint32_t kScales = 56;
 
-inline constexpr std::uint32_t kRaw = 0;    // an even bit
-inline constexpr std::uint32_t kIdGap = 1;  // by last gap's class
-inline constexpr std::uint32_t kParentGap =
-    kIdGap + 3 * kNumberContexts;  // by this gap's and last class
-inline constexpr std::uint32_t kFirstParent = kParentGap + 16 * kNumberContexts;
+inline constexpr std::uint32_t kFront = 0;            // by front class
+inline constexpr std::uint32_t kIdGap = kFront + 32;  // by class of the last two gaps
+inline constexpr std::uint32_t kParentGap = kIdGap + 7 * kNumberContexts;  // by this gap
+inline constexpr std::uint32_t kFirstParent = kParentGap + 13 * kNumberContexts;
 inline constexpr std::uint32_t kOpenSide =
-    kFirstParent + kNumberContexts;                              // left missing, right missing
-inline constexpr std::uint32_t kFanLength = kOpenSide + 2;       // by ring size, position
-inline constexpr std::uint32_t kFanRank = kFanLength + 16 * 16;  // by ring size, rank
-inline constexpr std::uint32_t kFeatures = kFanRank + 16 * 8;    // any; then the five edges
-inline constexpr std::uint32_t kResidual = kFeatures + 6;        // by scale, axis
+    kFirstParent + kNumberContexts;                          // left missing, right missing
+inline constexpr std::uint32_t kOpenLength = kOpenSide + 2;  // by position
+inline constexpr std::uint32_t kCut = kOpenLength + 16;      // by odds
+inline constexpr std::uint32_t kFeatures = kCut + 24;        // any; then the five edges
+inline constexpr std::uint32_t kResidual = kFeatures + 6;    // by scale, axis
 inline constexpr std::uint32_t kContexts = kResidual + kScales * 2 * kNumberContexts;
 
 // ---- Numbers -----------------------------------------------------------------------------------
 
-/// A number ≥ 0: the bit length of value + 1 − 1 in unary, then the bits below the top one, the
-/// first in a context. Numbers up to 2^31 − 2.
+template <class Bins>
+std::uint32_t codeRawBits(Bins& bins, std::uint32_t count, std::uint32_t value) {
+  std::uint32_t result = 0;
+  for (std::uint32_t left = count; left > 0;) {
+    const std::uint32_t some = std::min(left, 12U);
+    left -= some;
+    result = result << some | bins.codeRaw(some, value >> left & ((1U << some) - 1));
+  }
+  return result;
+}
+
+/// A number ≥ 0: the bit length of value + 1, less 1, in unary, then the bits below the top one,
+/// the first in a context. Numbers up to 2^31 − 2. `tail` more raw bits follow unless it is 0, and
+/// come back below the number.
 template <class Bins>
 std::uint32_t codeNumber(Bins& bins, std::uint32_t context, std::uint32_t value) {
   const auto bits = static_cast<std::uint32_t>(std::bit_width(value + 1)) - 1;
   std::uint32_t length = 0;
   while (length < 31 && bins.code(context + std::min(length, kMagnitudeBins - 1), length < bits))
     ++length;
-  std::uint32_t result = 1;
-  for (std::uint32_t i = length; i-- > 0;) {
-    const bool first = i + 1 == length;
-    const std::uint32_t bitContext =
-        first ? context + kMagnitudeBins + std::min(length, kMagnitudeBins - 1) : kRaw;
-    result = result << 1 | (bins.code(bitContext, ((value + 1) >> i & 1) != 0) ? 1 : 0);
-  }
-  return result - 1;
+  if (length == 0) return 0;
+  const std::uint32_t top = context + kMagnitudeBins + std::min(length, kMagnitudeBins - 1);
+  const std::uint32_t second = bins.code(top, ((value + 1) >> (length - 1) & 1) != 0) ? 3U : 2U;
+  const std::uint32_t rest =
+      codeRawBits(bins, length - 1, (value + 1) & ((1U << (length - 1)) - 1));
+  return (second << (length - 1) | rest) - 1;
 }
 
 /// A signed number: magnitude, then the sign of what is not zero.
@@ -66,11 +76,11 @@ std::int32_t codeSigned(Bins& bins, std::uint32_t context, std::int32_t value) {
   const auto magnitude = static_cast<std::int32_t>(
       codeNumber(bins, context, static_cast<std::uint32_t>(std::abs(value))));
   if (magnitude == 0) return 0;
-  return bins.code(kRaw, value < 0) ? -magnitude : magnitude;
+  return bins.codeRaw(1, value < 0 ? 1 : 0) != 0 ? -magnitude : magnitude;
 }
 
-inline std::uint32_t numberClass(std::uint32_t value) {
-  return std::min<std::uint32_t>(static_cast<std::uint32_t>(std::bit_width(value)), 3);
+inline std::uint32_t numberClass(std::uint32_t value, std::uint32_t most) {
+  return std::min(static_cast<std::uint32_t>(std::bit_width(value)), most);
 }
 
 // ---- Names: which splits a run carries ----------------------------------------------------------
@@ -80,27 +90,23 @@ struct NameState {
   VertexId nextId = 0;      // the smallest id that the next split can have
   VertexId nextParent = 0;  // the smallest parent that split can have
   std::uint32_t level = 0;
-  std::uint32_t lastIdClass = 0;
-  std::uint32_t lastParentClass = 0;
+  std::uint32_t lastGap = 0;  // of ids, and the one before
+  std::uint32_t gapBefore = 0;
 };
 
-/// vertex, parent: in and out. contiguous: ids have no gaps and are not coded.
-/// levelOfVertex(id): level of a vertex; levelBegin[level]: its first vertex.
+/// A name among any others: gaps in ids and in parents. vertex, parent: in and out.
 template <class Bins>
 void codeName(
     Bins& bins,
     NameState& state,
     std::span<const std::uint32_t> levelBegin,
-    bool contiguous,
     VertexId& vertex,
     VertexId& parent) {
-  std::uint32_t gap = 0;
-  if (!contiguous) {
-    gap = codeNumber(
-        bins,
-        kIdGap + std::min(state.lastIdClass, 2U) * kNumberContexts,
-        vertex - state.nextId);
-  }
+  const std::uint32_t recent = numberClass(
+      (2 * std::min(state.lastGap, 1U << 20) + std::min(state.gapBefore, 1U << 20) + 1) / 2,
+      6);
+  const std::uint32_t gap =
+      codeNumber(bins, kIdGap + recent * kNumberContexts, vertex - state.nextId);
   // Saturating: a hostile gap must not wrap around into a valid id.
   const std::uint64_t id = static_cast<std::uint64_t>(state.nextId) + gap;
   vertex = static_cast<VertexId>(std::min<std::uint64_t>(id, kNone));
@@ -108,201 +114,85 @@ void codeName(
   std::uint64_t least = 0;
   std::uint32_t context = kFirstParent;
   if (level == state.level) {
-    least =
-        static_cast<std::uint64_t>(state.nextParent) + gap;  // each skipped split has a parent too
-    context = kParentGap + (4 * numberClass(gap) + state.lastParentClass) * kNumberContexts;
+    // Each skipped split has a parent too.
+    least = static_cast<std::uint64_t>(state.nextParent) + gap;
+    const std::uint32_t gapClass = gap < 6 ? gap : 4 + numberClass(gap, 8);
+    context = kParentGap + gapClass * kNumberContexts;
   } else if (level < levelBegin.size()) {
     least = vertex - levelBegin[level];
-    state.lastParentClass = 0;
   }
   const std::uint32_t parentGap =
       codeNumber(bins, context, static_cast<std::uint32_t>(parent - least));
   parent = static_cast<VertexId>(std::min<std::uint64_t>(least + parentGap, kNone));
-  state.lastIdClass = numberClass(gap);
-  if (level == state.level) state.lastParentClass = numberClass(parentGap);
+  state.gapBefore = state.lastGap;
+  state.lastGap = gap;
   state.level = level;
   state.nextId = vertex == kNone ? kNone : vertex + 1;
   state.nextParent = parent == kNone ? kNone : parent + 1;
 }
 
-// ---- Cut: where the parent's ring opens ---------------------------------------------------------
-
-/// The parent, its canonical ring, and where they are.
-struct Neighbourhood {
-  glm::ivec3 parent{0};
-  std::uint32_t size = 0;
-  std::array<glm::ivec3, kMaxRing> ring;
-  bool isPath = false;  // the parent is on a border
-
-  [[nodiscard]] std::uint32_t wrap(std::uint32_t i) const { return i >= size ? i - size : i; }
-};
-
-/// Twice the area of a ring triangle at the parent, in the sum norm: cheap, and enough to rank by.
-inline std::int64_t ringTriangleSize(const Neighbourhood& n, std::uint32_t i) {
-  using Wide = glm::vec<3, std::int64_t>;
-  const Wide a = Wide(n.ring[i]) - Wide(n.parent);
-  const Wide b = Wide(n.ring[n.wrap(i + 1)]) - Wide(n.parent);
-  return std::abs(a.y * b.z - a.z * b.y) + std::abs(a.z * b.x - a.x * b.z) +
-         std::abs(a.x * b.y - a.y * b.x);
-}
-
-/// Possible starts of a fan of `length` ring edges, the most likely first: a removed vertex leaves
-/// large triangles behind.
-inline std::uint32_t rankStarts(
-    const Neighbourhood& n,
-    std::uint32_t length,
-    std::array<std::uint8_t, kMaxRing>& order) {
-  const std::uint32_t edges = n.isPath ? n.size - 1 : n.size;
-  const std::uint32_t starts = n.isPath ? n.size - length : n.size;
-  std::array<std::int64_t, kMaxRing> sizes{};
-  for (std::uint32_t i = 0; i < edges; ++i)
-    sizes[i] = ringTriangleSize(n, i);
-  std::array<std::int64_t, kMaxRing> sums{};
-  for (std::uint32_t s = 0; s < starts; ++s) {
-    sums[s] = 0;
-    for (std::uint32_t i = 0; i < length; ++i)
-      sums[s] += sizes[n.isPath ? s + i : n.wrap(s + i)];
-    std::uint32_t at = s;
-    for (; at > 0 && sums[order[at - 1]] < sums[s]; --at)
-      order[at] = order[at - 1];
-    order[at] = static_cast<std::uint8_t>(s);
+/// A name in a run of consecutive splits of one level, for receivers that hold everything coarser:
+/// the next vertex of the front that is a parent, a bit for each that is passed over.
+/// front: class of each coarser vertex (front_classes.h). `parent`: in and out; from `first` on.
+/// kNone: none of the rest is (damaged bytes).
+template <class Bins>
+VertexId
+codeParent(Bins& bins, std::span<const std::uint8_t> front, VertexId first, VertexId parent) {
+  for (VertexId v = first; v < front.size(); ++v) {
+    if (bins.code(kFront + front[v], v == parent)) return v;
   }
-  return starts;
+  return kNone;
 }
+
+// ---- Cut: where the parent's ring opens ---------------------------------------------------------
 
 /// cut: in and out. Returns false when no cut fits (only damaged bytes get there).
 template <class Bins>
 bool codeCut(Bins& bins, const Neighbourhood& n, RingCut& cut) {
-  bool noLeft = false;
-  bool noRight = false;
   if (n.isPath) {
-    noLeft = bins.code(kOpenSide, cut.left == RingCut::kNoCut);
-    if (!noLeft) noRight = bins.code(kOpenSide + 1, cut.right == RingCut::kNoCut);
+    const bool noLeft = bins.code(kOpenSide, cut.left == RingCut::kNoCut);
+    const bool noRight = !noLeft && bins.code(kOpenSide + 1, cut.right == RingCut::kNoCut);
+    if (noLeft || noRight) {
+      const std::uint32_t most = n.size - 1;  // ring edges in a fan, at most
+      const std::uint32_t actual = noLeft ? cut.right : most - cut.left;
+      std::uint32_t length = 0;
+      while (length < most && bins.code(kOpenLength + std::min(length, 15U), actual > length))
+        ++length;
+      cut = noLeft ? RingCut{RingCut::kNoCut, static_cast<std::uint8_t>(length)}
+                   : RingCut{static_cast<std::uint8_t>(most - length), RingCut::kNoCut};
+      return true;
+    }
   }
-  const std::uint32_t most = n.size - 1;  // ring edges in a fan, at most
-  const std::uint32_t least = noLeft || noRight ? 0 : 1;
-  if (most < least) return false;
-  std::uint32_t actual = 0;
-  if (noLeft) {
-    actual = cut.right;
-  } else if (noRight) {
-    actual = most - cut.left;
-  } else {
-    actual = n.wrap(cut.right + n.size - cut.left);
-  }
-  const std::uint32_t sizeClass = std::min(n.size, 15U);
-  std::uint32_t length = least;
-  while (length < most &&
-         bins.code(kFanLength + 16 * sizeClass + std::min(length, 15U), actual > length)) {
-    ++length;
-  }
-  if (noLeft) {
-    cut = {RingCut::kNoCut, static_cast<std::uint8_t>(length)};
+  CutOdds odds;
+  findCutOdds(n, odds);
+  if (odds.count == 0) return false;
+  // The likeliest first, each with a bit whose context is its odds among those left.
+  for (std::uint32_t left = odds.count;; --left) {
+    const auto likeliest = std::max_element(odds.odds.begin(), odds.odds.begin() + odds.count);
+    const auto i = static_cast<std::size_t>(likeliest - odds.odds.begin());
+    const std::uint32_t own = *likeliest >> 11;
+    odds.total -= own;
+    const RingCut found{odds.left[i], odds.right[i]};
+    if (left > 1) {
+      const std::int32_t ratio = log8(own) - log8(odds.total);
+      const auto step = static_cast<std::uint32_t>(std::clamp((ratio + 40) / 4, 0, 23));
+      if (!bins.code(kCut + step, found == cut)) {
+        *likeliest = 0;
+        continue;
+      }
+    }
+    cut = found;
     return true;
   }
-  if (noRight) {
-    cut = {static_cast<std::uint8_t>(most - length), RingCut::kNoCut};
-    return true;
-  }
-  std::array<std::uint8_t, kMaxRing> order{};
-  const std::uint32_t starts = rankStarts(n, length, order);
-  std::uint32_t rank = 0;
-  while (rank + 1 < starts &&
-         bins.code(kFanRank + 8 * sizeClass + std::min(rank, 7U), order[rank] != cut.left)) {
-    ++rank;
-  }
-  cut.left = order[rank];
-  cut.right = static_cast<std::uint8_t>(n.wrap(cut.left + length));
-  return true;
 }
 
 // ---- Position -----------------------------------------------------------------------------------
 
-/// Weights, in 256ths, of the three terms that correct the fan's mean, by length of the fan.
-inline constexpr std::uint32_t kWeightClasses = 6;
-using Weights = std::array<std::array<std::int16_t, 3>, kWeightClasses>;
-
-/// What a position is predicted from: the neighbours that v will have, and the rest of the ring.
-struct Prediction {
-  std::array<glm::vec<3, std::int64_t>, 4>
-      terms;  // fan's mean; u, sides' mean, ring's mean less it; ·16
-  std::uint32_t weightClass = 0;
-  std::uint32_t scale = 0;  // context of the residual
-  int normalAxis = 0;       // axis that the fan faces most
-  glm::vec<3, std::int64_t> normal{0};
-};
-
-inline std::int64_t roundedQuotient(std::int64_t a, std::int64_t b) {
-  // b > 0; halves away from zero.
-  return a >= 0 ? (a + b / 2) / b : -((-a + b / 2) / b);
-}
-
-inline Prediction predict(const Neighbourhood& n, const RingCut& cut) {
-  using Wide = glm::vec<3, std::int64_t>;
-  constexpr std::int64_t kFine = 16;
-  const std::uint32_t first = cut.left == RingCut::kNoCut ? 0 : cut.left;
-  const std::uint32_t last = cut.right == RingCut::kNoCut ? n.size - 1 : cut.right;
-  const std::uint32_t count = (n.isPath ? last - first : n.wrap(last + n.size - first)) + 1;
-  const Wide parent(n.parent);
-
-  Wide fan(0);
-  Wide all(0);
-  Wide normal(0);
-  std::int64_t reach = 0;
-  for (std::uint32_t i = 0; i < n.size; ++i)
-    all += Wide(n.ring[i]) - parent;
-  for (std::uint32_t k = 0; k < count; ++k) {
-    const std::uint32_t i = n.isPath ? first + k : n.wrap(first + k);
-    const Wide a = Wide(n.ring[i]) - parent;
-    fan += a;
-    reach += std::abs(a.x) + std::abs(a.y) + std::abs(a.z);
-    if (k + 1 < count) {
-      const Wide b = Wide(n.ring[n.isPath ? i + 1 : n.wrap(i + 1)]) - parent;
-      normal += Wide(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-    }
-  }
-  const Wide sides = Wide(n.ring[first]) + Wide(n.ring[last]) - parent - parent;
-  const auto mean = [](const Wide& sum, std::int64_t by) {
-    return Wide(
-        roundedQuotient(kFine * sum.x, by),
-        roundedQuotient(kFine * sum.y, by),
-        roundedQuotient(kFine * sum.z, by));
-  };
-  Prediction p;
-  p.terms[0] = mean(fan, count);
-  p.terms[1] = -p.terms[0];
-  p.terms[2] = mean(sides, 2) - p.terms[0];
-  p.terms[3] = mean(all, n.size) - p.terms[0];
-  p.weightClass = std::min(count, kWeightClasses) - 1;
-  // Half steps of the binary logarithm of the mean reach.
-  const auto size = static_cast<std::uint64_t>(reach / count);
-  const auto width = static_cast<std::uint32_t>(std::bit_width(size));
-  const std::uint32_t half = width >= 2 ? static_cast<std::uint32_t>(size >> (width - 2) & 1) : 0;
-  p.scale = std::min(2 * width + half, kScales - 1);
-  // Only its direction counts: 30 bits keep later products within 64.
-  std::int64_t largest = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    largest = std::max(largest, std::abs(normal[axis]));
-  const int excess =
-      std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(largest))) - 30);
-  for (int axis = 0; axis < 3; ++axis)
-    p.normal[axis] = normal[axis] >> excess;
-  for (int axis = 1; axis < 3; ++axis) {
-    if (std::abs(p.normal[axis]) > std::abs(p.normal[p.normalAxis])) p.normalAxis = axis;
-  }
-  return p;
-}
-
-/// Predicted offset of v from u.
-inline glm::vec<3, std::int64_t> predictedOffset(const Prediction& p, const Weights& weights) {
-  glm::vec<3, std::int64_t> sum = std::int64_t{256} * p.terms[0];
-  for (int i = 0; i < 3; ++i)
-    sum += std::int64_t{weights[p.weightClass][i]} * p.terms[i + 1];
-  constexpr std::int64_t kUnit = 256 * 16;
-  return {
-      roundedQuotient(sum.x, kUnit),
-      roundedQuotient(sum.y, kUnit),
-      roundedQuotient(sum.z, kUnit)};
+/// Context of a residual whose spread goes with 2^(scale8 / 8).
+inline std::uint32_t residualContext(std::int32_t scale8, bool across) {
+  const auto scale =
+      static_cast<std::uint32_t>(std::clamp(scale8 / 3, 0, static_cast<std::int32_t>(kScales) - 1));
+  return kResidual + (2 * scale + (across ? 1 : 0)) * kNumberContexts;
 }
 
 /// position: in and out. The two axes along the surface come first; the third is then corrected to
@@ -314,8 +204,18 @@ void codePosition(
     const Prediction& p,
     const Weights& weights,
     glm::ivec3& position) {
-  const auto offset = predictedOffset(p, weights);
+  const Wide offset = predictedOffset(p, weights);
   const int axes[3] = {(p.normalAxis + 1) % 3, (p.normalAxis + 2) % 3, p.normalAxis};
+  // How steep the surface is shortens what can be seen of it along an axis.
+  const auto squared = [](std::int64_t a) { return static_cast<std::uint64_t>(a * a); };
+  const std::uint64_t all = squared(p.normal.x) + squared(p.normal.y) + squared(p.normal.z);
+  const std::int32_t whole = log8(all);
+  const std::int32_t first = log8(all - squared(p.normal[axes[0]]));
+  const std::int32_t height = log8(squared(p.normal[axes[2]]));
+  const std::int32_t scales[3] = {
+      p.reach8 + (first - whole) / 2 + 8,
+      p.reach8 + (height - first) / 2 + 8,
+      p.reach8 + (whole - height) / 2 + 8};
   std::array<std::int64_t, 2> residuals{};
   glm::ivec3 result(0);
   for (int i = 0; i < 3; ++i) {
@@ -324,14 +224,15 @@ void codePosition(
     if (i == 2 && p.normal[axis] != 0) {
       const std::int64_t sign = p.normal[axis] > 0 ? 1 : -1;
       // Residuals are clamped so that damaged bytes cannot overflow the products.
-      constexpr std::int64_t kFar = 1 << 20;
+      constexpr std::int64_t kFar = 1 << 22;
       const std::int64_t drift = p.normal[axes[0]] * std::clamp(residuals[0], -kFar, kFar) +
                                  p.normal[axes[1]] * std::clamp(residuals[1], -kFar, kFar);
       expected -= roundedQuotient(sign * drift, sign * p.normal[axis]);
     }
-    const std::uint32_t context = kResidual + (2 * p.scale + (i == 2 ? 1 : 0)) * kNumberContexts;
-    const std::int32_t residual =
-        codeSigned(bins, context, static_cast<std::int32_t>(position[axis] - expected));
+    const std::int32_t residual = codeSigned(
+        bins,
+        residualContext(scales[i], i == 2),
+        static_cast<std::int32_t>(position[axis] - expected));
     if (i < 2) residuals[static_cast<std::size_t>(i)] = residual;
     result[axis] = static_cast<std::int32_t>(expected + residual);
   }

@@ -46,19 +46,33 @@ std::vector<TriangleMesh> shapes() {
       primitives::bumpySphere(4, 3)};
 }
 
-TEST(SplitCodec, LevelsInOrderGiveTheFullMesh) {
+SplitModel modelOf(const SplitForest& forest) {
+  return trainSplitModel(forest, frontsOf(forest));
+}
+
+std::vector<VertexId> allSplits(const SplitForest& forest) {
+  std::vector<VertexId> ids(forest.splitCount());
+  for (std::uint32_t s = 0; s < ids.size(); ++s)
+    ids[s] = forest.baseVertexCount() + s;
+  return ids;
+}
+
+TEST(SplitCodec, LevelRunsInOrderGiveTheFullMesh) {
   for (const TriangleMesh& shape : shapes()) {
     const SplitForest forest = forestOf(shape);
-    const SplitModel model = trainSplitModel(forest);
+    const LevelFronts fronts = frontsOf(forest);
+    const SplitModel model = trainSplitModel(forest, fronts);
     ActiveMesh active = baseOf(forest);
+    SplitDecoder decoder(model);
     for (std::uint32_t level = 1; level < forest.levelCount(); ++level) {
-      std::vector<VertexId> ids;
-      for (VertexId v = forest.levelBegin[level]; v < forest.levelBegin[level + 1]; ++v)
-        ids.push_back(v);
-      const auto bytes = encodeSplits(forest, model, ids);
-      const auto count = decodeSplits(bytes, model, active);
-      ASSERT_TRUE(count) << count.error().message;
-      EXPECT_EQ(*count, ids.size());
+      const VertexId end = forest.levelBegin[level + 1];
+      for (VertexId begin = forest.levelBegin[level]; begin < end; begin += 100) {
+        const VertexId stop = std::min(begin + 100, end);
+        const auto count =
+            decoder.decode(encodeLevelRun(forest, model, fronts, begin, stop), active);
+        ASSERT_TRUE(count) << count.error().message;
+        EXPECT_EQ(*count, stop - begin);
+      }
     }
     EXPECT_EQ(active.splitsHeld(), forest.splitCount());
     expectEqualSoFar(forest, active);
@@ -69,8 +83,9 @@ TEST(SplitCodec, PacketsOfAnyLegalOrderDecode) {
   Rng rng(17);
   for (const TriangleMesh& shape : shapes()) {
     const SplitForest forest = forestOf(shape);
-    const SplitModel model = trainSplitModel(forest);
+    const SplitModel model = modelOf(forest);
     ActiveMesh active = baseOf(forest);
+    SplitDecoder decoder(model);
     const auto order = randomLegalOrder(forest, rng, OrderKind::kDepthFirst);
     for (std::size_t begin = 0; begin < order.size();) {
       const std::size_t end = std::min(order.size(), begin + 1 + rng.below(60));
@@ -78,7 +93,7 @@ TEST(SplitCodec, PacketsOfAnyLegalOrderDecode) {
           order.begin() + static_cast<std::ptrdiff_t>(begin),
           order.begin() + static_cast<std::ptrdiff_t>(end));
       std::sort(ids.begin(), ids.end());
-      ASSERT_TRUE(decodeSplits(encodeSplits(forest, model, ids), model, active));
+      ASSERT_TRUE(decoder.decode(encodeSplits(forest, model, ids), active));
       begin = end;
     }
     EXPECT_EQ(active.splitsHeld(), forest.splitCount());
@@ -87,7 +102,7 @@ TEST(SplitCodec, PacketsOfAnyLegalOrderDecode) {
 }
 
 TEST(SplitCodec, ModelsSurviveSerialisationAndNoTruncationPasses) {
-  const SplitModel model = trainSplitModel(forestOf(primitives::icosphere(4)));
+  const SplitModel model = modelOf(forestOf(primitives::icosphere(4)));
   const auto bytes = serializeSplitModel(model);
   const auto back = parseSplitModel(bytes);
   ASSERT_TRUE(back);
@@ -98,14 +113,87 @@ TEST(SplitCodec, ModelsSurviveSerialisationAndNoTruncationPasses) {
   }
 }
 
+// What a level run's names depend on must not depend on what finer splits a client has besides.
+TEST(SplitCodec, FrontClassesAreTheSameWhateverElseIsHeld) {
+  Rng rng(5);
+  for (const TriangleMesh& shape : shapes()) {
+    const SplitForest forest = forestOf(shape);
+    const LevelFronts fronts = frontsOf(forest);
+    for (std::uint32_t level = 1; level < forest.levelCount(); ++level) {
+      ActiveMesh active = baseOf(forest);
+      for (VertexId v = forest.baseVertexCount(); v < forest.levelBegin[level]; ++v)
+        ASSERT_TRUE(active.apply(forest.split(v)));
+      EXPECT_EQ(*frontClasses(active, level), fronts[level]);
+      for (VertexId v = forest.levelBegin[level]; v < forest.vertexCount(); ++v) {
+        const auto held = [&](VertexId w) { return active.holds(w); };
+        if (rng.below(3) == 0 || !held(forest.parent(v))) continue;
+        if (std::ranges::all_of(forest.ring(v), held)) {
+          ASSERT_TRUE(active.apply(forest.split(v)));
+        }
+      }
+      EXPECT_EQ(*frontClasses(active, level), fronts[level]);
+    }
+    if (forest.levelCount() > 2) {
+      EXPECT_FALSE(frontClasses(baseOf(forest), 2));
+    }
+  }
+}
+
+// A client that was sent finer splits for a view can still take whole levels.
+TEST(SplitCodec, LevelRunsDecodeBesideFinerSplits) {
+  const SplitForest forest = forestOf(primitives::bumpySphere(4, 3));
+  const LevelFronts fronts = frontsOf(forest);
+  const SplitModel model = trainSplitModel(forest, fronts);
+  ActiveMesh active = baseOf(forest);
+  SplitDecoder decoder(model);
+  const std::uint32_t level = forest.levelCount() - 2;
+  for (VertexId v = forest.baseVertexCount(); v < forest.levelBegin[level]; ++v)
+    ASSERT_TRUE(active.apply(forest.split(v)));
+  const VertexId middle = (forest.levelBegin[level] + forest.levelBegin[level + 1]) / 2;
+  const auto first = encodeLevelRun(forest, model, fronts, forest.levelBegin[level], middle);
+  const auto second = encodeLevelRun(forest, model, fronts, middle, forest.levelBegin[level + 1]);
+  // Out of order: what comes before it is missing.
+  EXPECT_FALSE(decoder.decode(second, active));
+  ASSERT_TRUE(decoder.decode(first, active));
+  for (VertexId v = forest.levelBegin[level + 1]; v < forest.vertexCount(); ++v) {
+    const auto held = [&](VertexId w) { return active.holds(w); };
+    if (held(forest.parent(v)) && std::ranges::all_of(forest.ring(v), held)) {
+      ASSERT_TRUE(active.apply(forest.split(v)));
+    }
+  }
+  ASSERT_TRUE(SplitDecoder(model).decode(second, active));
+  expectEqualSoFar(forest, active);
+}
+
+TEST(SplitCodec, DamagedLevelRunsLeaveAValidMesh) {
+  const SplitForest forest = forestOf(primitives::torusKnot(2, 3, 120, 10));
+  const LevelFronts fronts = frontsOf(forest);
+  const SplitModel model = trainSplitModel(forest, fronts);
+  const auto bytes =
+      encodeLevelRun(forest, model, fronts, forest.levelBegin[1], forest.levelBegin[2]);
+  Rng rng(29);
+  for (int run = 0; run < 200; ++run) {
+    auto damaged = bytes;
+    if (run % 2 == 0) damaged.resize(rng.below(static_cast<std::uint32_t>(damaged.size())));
+    for (int i = 0; i < 2 && !damaged.empty(); ++i) {
+      damaged[rng.below(static_cast<std::uint32_t>(damaged.size()))] ^=
+          static_cast<std::uint8_t>(1U << rng.below(8));
+    }
+    ActiveMesh active = baseOf(forest);
+    if (damaged.size() < bytes.size()) {
+      EXPECT_FALSE(SplitDecoder(model).decode(damaged, active));
+    } else {
+      EXPECT_LE(SplitDecoder(model).decode(damaged, active).value_or(0), forest.splitCount());
+    }
+    EXPECT_TRUE(validate(active.mesh()));
+  }
+}
+
 // Whatever the bytes: an error or a valid mesh, never anything else.
 TEST(SplitCodec, DamagedRunsLeaveAValidMesh) {
   const SplitForest forest = forestOf(primitives::torusKnot(2, 3, 120, 10));
-  const SplitModel model = trainSplitModel(forest);
-  std::vector<VertexId> ids(forest.splitCount());
-  for (std::uint32_t s = 0; s < ids.size(); ++s)
-    ids[s] = forest.baseVertexCount() + s;
-  const auto bytes = encodeSplits(forest, model, ids);
+  const SplitModel model = modelOf(forest);
+  const auto bytes = encodeSplits(forest, model, allSplits(forest));
   Rng rng(23);
   for (int run = 0; run < 400; ++run) {
     auto damaged = bytes;
@@ -117,7 +205,7 @@ TEST(SplitCodec, DamagedRunsLeaveAValidMesh) {
           static_cast<std::uint8_t>(1U << rng.below(8));
     }
     ActiveMesh active = baseOf(forest);
-    const auto count = decodeSplits(damaged, model, active);
+    const auto count = SplitDecoder(model).decode(damaged, active);
     EXPECT_LE(count.value_or(0), forest.splitCount());
     if (run % 8 == 0) {
       const auto valid = validate(active.mesh());
@@ -128,14 +216,11 @@ TEST(SplitCodec, DamagedRunsLeaveAValidMesh) {
 
 TEST(SplitCodec, EveryTruncationIsAnError) {
   const SplitForest forest = forestOf(primitives::icosphere(3));
-  const SplitModel model = trainSplitModel(forest);
-  std::vector<VertexId> ids(forest.splitCount());
-  for (std::uint32_t s = 0; s < ids.size(); ++s)
-    ids[s] = forest.baseVertexCount() + s;
-  const auto bytes = encodeSplits(forest, model, ids);
+  const SplitModel model = modelOf(forest);
+  const auto bytes = encodeSplits(forest, model, allSplits(forest));
   for (std::size_t cut = 0; cut < bytes.size(); ++cut) {
     ActiveMesh active = baseOf(forest);
-    EXPECT_FALSE(decodeSplits(std::span(bytes).first(cut), model, active)) << cut;
+    EXPECT_FALSE(SplitDecoder(model).decode(std::span(bytes).first(cut), active)) << cut;
   }
 }
 

@@ -25,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       std::vector<limn::Probability>(limn::split_syntax::kContexts, 128),
       {}};
   limn::ActiveMesh mesh = freshMesh();
-  const auto count = limn::decodeSplits({data, size}, kModel, mesh);
+  const auto count = limn::SplitDecoder(kModel).decode({data, size}, mesh);
   if (count && mesh.splitsHeld() != *count) std::abort();
   if (!limn::validate(mesh.mesh())) std::abort();
   return 0;

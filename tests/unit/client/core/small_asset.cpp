@@ -48,7 +48,7 @@ SmallAsset makeSmallAsset(const TriangleMesh& mesh, std::uint8_t tag) {
   options.threads = 1;
   asset.built = *buildForest(mesh, options);
   asset.id.fill(tag);
-  asset.splitModel = trainSplitModel(asset.built.forest);
+  asset.splitModel = trainSplitModel(asset.built.forest, frontsOf(asset.built.forest));
   const WireSections sections = encodeWireSections(asset.built, SeedTable{}, {asset.id, true});
   asset.info = framesOf(sections.info).front();
   asset.base = framesOf(sections.base).front();

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "shared/codec/neighbourhood.h"
+
+#include <array>
+#include <cstdint>
+
+/// How likely each way to cut a ring is. A collapse v → u leaves marks on u's ring: the vertices
+/// inside the fan were two edges away from u and still are farther off than the rest, l and r were
+/// neighbours of both and are near, and the fan took up about as much of u's full turn as v's ring
+/// had room. So a cut's odds are a product of factors, one for each of the fan's inner vertices,
+/// its two ends, the angle it spans, its length and u's valence after it (a generalised additive
+/// model). The factors are universal: fitted once, by gradient descent on the likelihood of all
+/// cuts of eight meshes, scans and machine parts; on meshes left out they are as good.
+namespace limn::split_syntax {
+
+/// Fans of more edges than this are not made.
+inline constexpr std::uint32_t kMaxFanEdges = 24;
+inline constexpr std::uint32_t kMaxCuts = kMaxRing * kMaxFanEdges;
+
+namespace cut_factors {
+
+// Binary logarithms of the factors, in 16ths.
+inline constexpr std::array<std::int16_t, 16> kLength =
+    {0, -28, 14, 26, 24, 6, -15, -32, -57, -90, -110, -123, -135, -140, -140, -140};
+inline constexpr std::array<std::int16_t, 16> kValence =
+    {0, 0, 0, 1, 17, 20, 19, 5, -7, -28, -50, -78, -110, -110, -110, -110};
+// By distance from u relative to the ring's mean: 3/8 of an octave of its square a step.
+inline constexpr std::array<std::int16_t, 24> kEnd = {18,  24,  23,  21,  23,  22,  23,  20,
+                                                      19,  19,  13,  8,   1,   -8,  -15, -29,
+                                                      -33, -44, -48, -48, -48, -52, -80, -80};
+inline constexpr std::array<std::int16_t, 24> kInner = {-57, -38, -32, -29, -27, -27, -24, -15,
+                                                        -5,  3,   12,  18,  26,  30,  30,  24,
+                                                        22,  20,  20,  20,  20,  20,  15,  10};
+// By the angle that the fan spans at u, π/16 a step.
+inline constexpr std::array<std::int16_t, 24> kAngle = {34, 38,  38,  40,  40,  38,  37,  37,
+                                                        35, 35,  33,  26,  27,  24,  18,  3,
+                                                        0,  -11, -23, -31, -41, -51, -57, -80};
+// Angles in 128ths of π with a squared tangent of 2^((i − 32) / 4) and a little more.
+inline constexpr std::array<std::uint8_t, 65> kArcTangent = {
+    3,  3,  3,  3,  4,  4,  4,  5,  5,  6,  6,  7,  7,  8,  9,  10, 10, 11, 12, 13, 14, 16,
+    17, 18, 20, 21, 23, 24, 26, 28, 29, 31, 33, 35, 36, 38, 40, 41, 43, 44, 46, 47, 48, 50,
+    51, 52, 53, 54, 54, 55, 56, 57, 57, 58, 58, 59, 59, 60, 60, 60, 61, 61, 61, 61, 62};
+// 2^(15 − i/16).
+inline constexpr std::array<std::uint16_t, 16> kPowers = {
+    32768,
+    31379,
+    30048,
+    28774,
+    27554,
+    26386,
+    25268,
+    24196,
+    23170,
+    22188,
+    21247,
+    20347,
+    19484,
+    18658,
+    17867,
+    17109};
+
+inline std::size_t step(std::int32_t value, std::int32_t least, std::int32_t size) {
+  return static_cast<std::size_t>(std::clamp((value - least) / size, 0, 23));
+}
+
+}  // namespace cut_factors
+
+/// Every cut of the ring that opens both sides, by start and then length, with its odds.
+struct CutOdds {
+  std::uint32_t count = 0;
+  std::uint32_t total = 0;  // sum of the odds
+  /// Odds (1 to 32,768) << 11 + what the index lacks to 2047, so that the largest number is the
+  /// likeliest cut, the first of equals.
+  std::array<std::uint32_t, kMaxCuts> odds;
+  std::array<std::uint8_t, kMaxCuts> left;
+  std::array<std::uint8_t, kMaxCuts> right;
+};
+
+inline void findCutOdds(const Neighbourhood& n, CutOdds& result) {
+  namespace f = cut_factors;
+  std::array<Wide, kMaxRing> w;
+  std::int64_t largest = 0;
+  for (std::uint32_t i = 0; i < n.size; ++i)
+    largest = std::max(largest, maxNorm(Wide(n.ring[i])));
+  const int excess = excessBits(largest, 14);
+  std::array<std::int32_t, kMaxRing> reach;  // log8 of the squared distance from u
+  std::int32_t mean = 0;
+  for (std::uint32_t i = 0; i < n.size; ++i) {
+    w[i] = shifted(Wide(n.ring[i]), excess);
+    reach[i] = log8(static_cast<std::uint64_t>(dot(w[i], w[i])));
+    mean += reach[i];
+  }
+  mean /= static_cast<std::int32_t>(n.size);
+  std::array<std::int32_t, kMaxRing> end;
+  std::array<std::int32_t, kMaxRing> inner;
+  for (std::uint32_t i = 0; i < n.size; ++i) {
+    const std::size_t step = f::step(reach[i] - mean, -32, 3);
+    end[i] = f::kEnd[step];
+    inner[i] = f::kInner[step];
+  }
+  std::array<std::int32_t, kMaxRing> angle;  // of ring edge i as seen from u, 128ths of π
+  for (std::uint32_t i = 0; i < n.edges(); ++i) {
+    const Wide& a = w[i];
+    const Wide& b = w[n.wrap(i + 1)];
+    const Wide area = cross(a, b);
+    const std::int64_t along = dot(a, b);
+    const std::int32_t tangent = log8(static_cast<std::uint64_t>(dot(area, area))) -
+                                 2 * log8(static_cast<std::uint64_t>(std::abs(along)));
+    const std::int32_t acute =
+        f::kArcTangent[static_cast<std::size_t>((std::clamp(tangent, -64, 64) + 64) / 2)];
+    angle[i] = along >= 0 ? acute : 128 - acute;
+  }
+
+  std::array<std::int32_t, kMaxCuts> scores;
+  std::int32_t best = -(1 << 20);
+  std::uint32_t count = 0;
+  for (std::uint32_t s = 0; s < n.size; ++s) {
+    const std::uint32_t most = std::min(n.isPath ? n.size - 1 - s : n.size - 1, kMaxFanEdges);
+    std::int32_t inside = end[s];
+    std::int32_t span = 0;
+    std::uint32_t at = s;
+    for (std::uint32_t length = 1; length <= most; ++length) {
+      if (length > 1) inside += inner[at];
+      span += angle[at];
+      at = n.wrap(at + 1);
+      const std::int32_t score = inside + end[at] + f::kLength[std::min(length, 15U)] +
+                                 f::kValence[std::min(n.size + 2 - length, 15U)] +
+                                 f::kAngle[f::step(span, 0, 8)];
+      scores[count] = score;
+      result.left[count] = static_cast<std::uint8_t>(s);
+      result.right[count++] = static_cast<std::uint8_t>(at);
+      best = std::max(best, score);
+    }
+  }
+  result.count = count;
+  result.total = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto below = static_cast<std::uint32_t>(best - scores[i]);
+    const std::uint32_t odds =
+        below >= 240 ? 1U : std::uint32_t{f::kPowers[below & 15]} >> (below >> 4);
+    result.odds[i] = odds << 11 | (2047 - i);
+    result.total += odds;
+  }
+}
+
+}  // namespace limn::split_syntax

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "shared/progressive/vertex_split.h"
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstdlib>
+
+/// What a split is predicted from, in integers, so that every platform agrees.
+namespace limn::split_syntax {
+
+inline constexpr std::uint32_t kMaxRing = 64;
+
+using Wide = glm::vec<3, std::int64_t>;
+
+/// The parent u of a split and its canonical ring. Coordinates are at most kMaxGridCoordinate.
+struct Neighbourhood {
+  glm::ivec3 parent{0};
+  std::uint32_t size = 0;
+  bool isPath = false;                    // the parent is on a border
+  std::array<glm::ivec3, kMaxRing> ring;  // relative to the parent
+
+  [[nodiscard]] std::uint32_t wrap(std::uint32_t i) const { return i >= size ? i - size : i; }
+
+  /// Ring edges: pairs of vertices i and wrap(i + 1) that are joined.
+  [[nodiscard]] std::uint32_t edges() const { return isPath ? size - 1 : size; }
+};
+
+/// The vertices first, wrap(first + 1), … of the ring that a cut gives to the new vertex.
+struct Fan {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+};
+
+inline Fan fanOf(const Neighbourhood& n, const RingCut& cut) {
+  const std::uint32_t first = cut.left == RingCut::kNoCut ? 0 : cut.left;
+  const std::uint32_t last = cut.right == RingCut::kNoCut ? n.size - 1 : cut.right;
+  return {first, (n.isPath ? last - first : n.wrap(last + n.size - first)) + 1};
+}
+
+/// Eight times the binary logarithm, the fraction linear between powers of two; −8 for 0.
+inline std::int32_t log8(std::uint64_t x) {
+  if (x == 0) return -8;
+  const int top = std::bit_width(x) - 1;
+  const std::uint64_t fraction = top >= 3 ? x >> (top - 3) : x << (3 - top);
+  return 8 * top + static_cast<std::int32_t>(fraction & 7);
+}
+
+inline std::int64_t dot(const Wide& a, const Wide& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+inline Wide cross(const Wide& a, const Wide& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+inline std::int64_t sumNorm(const Wide& a) {
+  return std::abs(a.x) + std::abs(a.y) + std::abs(a.z);
+}
+
+inline std::int64_t maxNorm(const Wide& a) {
+  return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+}
+
+/// How far right a vector must be shifted (arithmetically) to fit `bits` bits, sign apart.
+inline int excessBits(std::int64_t largest, int bits) {
+  return std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(largest))) - bits);
+}
+
+inline Wide shifted(const Wide& a, int by) {
+  return {a.x >> by, a.y >> by, a.z >> by};
+}
+
+/// a / b rounded, halves away from zero. b > 0.
+inline std::int64_t roundedQuotient(std::int64_t a, std::int64_t b) {
+  return a >= 0 ? (a + b / 2) / b : -((-a + b / 2) / b);
+}
+
+inline Wide roundedQuotient(const Wide& a, std::int64_t b) {
+  return {roundedQuotient(a.x, b), roundedQuotient(a.y, b), roundedQuotient(a.z, b)};
+}
+
+}  // namespace limn::split_syntax

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "shared/codec/neighbourhood.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+/// Where a split's vertex is expected, and how far off that may be.
+namespace limn::split_syntax {
+
+/// Terms that correct the mean of the fan, and their weights in 256ths by length of the fan.
+inline constexpr std::uint32_t kTerms = 8;
+inline constexpr std::uint32_t kWeightClasses = 6;
+using Weights = std::array<std::array<std::int16_t, kTerms>, kWeightClasses>;
+
+struct Prediction {
+  Wide fan{0};  // mean of the fan's ring vertices, relative to u, in 16ths
+  /// In 16ths: to u; to the fan's ends; to the whole ring; to the centroids of perimeter and area
+  /// of the polygon u, fan; then what makes up for curvature, along the normals of the ring (its
+  /// mean) and of the fan (its mean, its ends less its mean).
+  std::array<Wide, kTerms> terms{};
+  std::uint32_t weightClass = 0;
+  Wide normal{0};           // of the fan; of the ring where that has none; 15 bits
+  int normalAxis = 0;       // axis along which it is longest
+  std::int32_t reach8 = 0;  // log8 of the fan vertices' mean distance from u (sum norm)
+};
+
+/// The part of `a` along `normal` (15 bits; zero: none).
+inline Wide partAlong(const Wide& a, const Wide& normal, std::int64_t normalSquared) {
+  return normalSquared == 0 ? Wide(0) : roundedQuotient(normal * dot(a, normal), normalSquared);
+}
+
+inline Prediction predict(const Neighbourhood& n, const Fan& fan) {
+  constexpr std::int64_t kFine = 16;
+  const auto count = static_cast<std::int64_t>(fan.count);
+  Wide ringSum(0);
+  Wide ringNormal(0);
+  for (std::uint32_t i = 0; i < n.size; ++i) {
+    const Wide a(n.ring[i]);
+    ringSum += a;
+    if (i < n.edges()) ringNormal += cross(a, Wide(n.ring[n.wrap(i + 1)]));
+  }
+  Wide fanSum(0);
+  Wide fanNormal(0);
+  std::int64_t reach = 0;
+  // Of each edge of the polygon u, fan: its length, and the area of the triangle with u; sum norms.
+  std::array<std::int64_t, kMaxRing + 1> lengths;
+  std::array<std::int64_t, kMaxRing + 1> areas;
+  std::int64_t most = 0;
+  std::int64_t largest = 0;
+  Wide before(0);
+  for (std::uint32_t k = 0; k <= fan.count; ++k) {
+    const Wide a = k == fan.count ? Wide(0) : Wide(n.ring[n.wrap(fan.first + k)]);
+    const Wide area = cross(before, a);
+    fanSum += a;
+    fanNormal += area;
+    reach += sumNorm(a);
+    lengths[k] = sumNorm(a - before);
+    areas[k] = sumNorm(area);
+    most = std::max(most, lengths[k]);
+    largest = std::max(largest, areas[k]);
+    before = a;
+  }
+  // Twice and three times the centroids, the weights cut down to 16 bits.
+  const int excessLength = excessBits(most, 16);
+  const int excessArea = excessBits(largest, 16);
+  Wide perimeter(0);
+  Wide centroid(0);
+  std::int64_t length = 0;
+  std::int64_t area = 0;
+  before = Wide(0);
+  for (std::uint32_t k = 0; k <= fan.count; ++k) {
+    const Wide a = k == fan.count ? Wide(0) : Wide(n.ring[n.wrap(fan.first + k)]);
+    lengths[k] >>= excessLength;
+    areas[k] >>= excessArea;
+    perimeter += lengths[k] * (a + before);
+    centroid += areas[k] * (a + before);
+    length += lengths[k];
+    area += areas[k];
+    before = a;
+  }
+
+  Prediction p;
+  const Wide first(n.ring[fan.first]);
+  const Wide last(n.ring[n.wrap(fan.first + fan.count - 1)]);
+  p.fan = roundedQuotient(kFine * fanSum, count);
+  const Wide ring = roundedQuotient(kFine * ringSum, n.size);
+  const Wide ends = kFine / 2 * (first + last);
+  ringNormal = shifted(ringNormal, excessBits(maxNorm(ringNormal), 15));
+  p.normal = shifted(fanNormal, excessBits(maxNorm(fanNormal), 15));
+  if (p.normal == Wide(0)) p.normal = ringNormal;
+  const std::int64_t normalSquared = dot(p.normal, p.normal);
+  p.terms[0] = -p.fan;
+  p.terms[1] = ends - p.fan;
+  p.terms[2] = ring - p.fan;
+  if (length > 0) p.terms[3] = roundedQuotient(kFine * perimeter, 2 * length) - p.fan;
+  if (area > 0) p.terms[4] = roundedQuotient(kFine * centroid, 3 * area) - p.fan;
+  p.terms[5] = partAlong(ring, ringNormal, dot(ringNormal, ringNormal));
+  p.terms[6] = partAlong(p.fan, p.normal, normalSquared);
+  p.terms[7] = partAlong(ends - p.fan, p.normal, normalSquared);
+  p.weightClass = std::min(fan.count, kWeightClasses) - 1;
+  for (int axis = 1; axis < 3; ++axis) {
+    if (std::abs(p.normal[axis]) > std::abs(p.normal[p.normalAxis])) p.normalAxis = axis;
+  }
+  p.reach8 = log8(static_cast<std::uint64_t>(reach / count));
+  return p;
+}
+
+/// Predicted offset of v from u.
+inline Wide predictedOffset(const Prediction& p, const Weights& weights) {
+  Wide sum = std::int64_t{256} * p.fan;
+  for (std::size_t t = 0; t < kTerms; ++t)
+    sum += std::int64_t{weights[p.weightClass][t]} * p.terms[t];
+  return roundedQuotient(sum, 256 * 16);
+}
+
+}  // namespace limn::split_syntax
