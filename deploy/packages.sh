@@ -17,7 +17,7 @@ run="libegl-mesa0 libgl1-mesa-dri libosmesa6 libwebsockets-evlib-ev"
 
 # Tests, benches, sanitizers and style checks.
 test="libgtest-dev libbenchmark-dev draco python3 git
-  clang libclang-rt-14-dev llvm-14 clang-format clang-tidy"
+  librsvg2-bin clang libclang-rt-14-dev llvm-14 clang-format clang-tidy"
 
 # What benches compare with, where it is there.
 bench="libembree-dev"

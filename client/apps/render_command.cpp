@@ -9,13 +9,14 @@
 #include "client/apps/progress_line.h"
 #include "client/apps/report.h"
 #include "client/apps/source.h"
+#include "client/apps/svg_file.h"
 #include "client/core/client_session.h"
 #include "client/pose/camera_file.h"
 #include "client/pose/orbit_path.h"
 #include "client/render/assets.h"
 #include "client/render/image_io.h"
 #include "client/render/renderer.h"
-#include "client/stroke/visibility.h"
+#include "client/stroke/resolved_visibility.h"
 
 #include <cstdio>
 #include <memory>
@@ -112,11 +113,7 @@ class Painter {
  public:
   explicit Painter(const RenderCommandOptions& options) : options_(options) {}
 
-  Result<Frame> draw(
-      const MeshSnapshot& snapshot,
-      const PolylineSet& lines,
-      const Camera& camera,
-      bool keepDepth) {
+  Result<Frame> draw(const MeshSnapshot& snapshot, const PolylineSet& lines, const Camera& camera) {
     if (!renderer_) {
       auto made = make();
       if (!made) return tl::unexpected(made.error());
@@ -127,7 +124,6 @@ class Painter {
     options.style = options_.style;
     options.widthPx = options_.widthPx;
     options.hidden = options_.hidden;
-    options.keepDepth = keepDepth;
     return renderer_->render(snapshot, lines, camera, options);
   }
 
@@ -151,20 +147,40 @@ class Painter {
   std::optional<Renderer> renderer_;
 };
 
-std::vector<std::uint8_t> visibilityOf(
-    const MeshSnapshot& snapshot,
-    const PolylineSet& lines,
-    const Camera& camera,
-    const Viewport& viewport,
-    const Frame& frame) {
-  const LineScene scene{
-      snapshot.mesh.mesh(),
-      snapshot.mesh.positions(),
-      snapshot.model.grid,
-      camera,
-      viewport};
-  return segmentVisibility(lines, scene, frame.depth);
-}
+/// Visibility of lines on one snapshot, exact to its mesh.
+class LineResolver {
+ public:
+  explicit LineResolver(const MeshSnapshot& snapshot)
+      : snapshot_(snapshot),
+        resolver_(snapshot.mesh.mesh(), snapshot.mesh.positions()) {}
+
+  [[nodiscard]] ResolvedLines
+  resolve(const PolylineSet& lines, const Camera& camera, const Viewport& viewport) const {
+    return resolver_.resolve(lines, sceneOf(camera, viewport));
+  }
+
+  /// One entry a point, for linesJson() and visibleSilhouettePixels().
+  [[nodiscard]] std::vector<std::uint8_t> perSegment(
+      const PolylineSet& lines,
+      const ResolvedLines& resolved,
+      const Camera& camera,
+      const Viewport& viewport) const {
+    return segmentVisibility(lines, resolved, sceneOf(camera, viewport));
+  }
+
+ private:
+  [[nodiscard]] LineScene sceneOf(const Camera& camera, const Viewport& viewport) const {
+    return {
+        snapshot_.mesh.mesh(),
+        snapshot_.mesh.positions(),
+        snapshot_.model.grid,
+        camera,
+        viewport};
+  }
+
+  const MeshSnapshot& snapshot_;
+  VisibilityResolver resolver_;
+};
 
 LineFinderOptions lineOptions(const RenderCommandOptions& options) {
   return {options.detector, options.silhouette, options.features, options.light};
@@ -173,8 +189,7 @@ LineFinderOptions lineOptions(const RenderCommandOptions& options) {
 Result<ContourError> checkAgainstReference(
     const RenderCommandOptions& options,
     const Camera& camera,
-    std::span<const glm::dvec2> ours,
-    Painter& painter) {
+    std::span<const glm::dvec2> ours) {
   const auto source = openAssetSource(options.reference);
   if (!source) return tl::unexpected(source.error().within("--reference"));
   const auto whole = loadWhole(*source);
@@ -183,13 +198,11 @@ Result<ContourError> checkAgainstReference(
   exact.detector = DetectorMethod::kBrute;
   LineFinder finder(whole->snapshot, exact);
   const auto found = finder.find(camera);
-  const auto frame = painter.draw(*whole->snapshot, found.lines, camera, true);
-  if (!frame) return tl::unexpected(frame.error());
-  const auto visible =
-      visibilityOf(*whole->snapshot, found.lines, camera, options.viewport, *frame);
+  const LineResolver resolver(*whole->snapshot);
+  const auto resolved = resolver.resolve(found.lines, camera, options.viewport);
   const auto theirs = visibleSilhouettePixels(
       found.lines,
-      visible,
+      resolver.perSegment(found.lines, resolved, camera, options.viewport),
       whole->snapshot->model.grid,
       camera,
       options.viewport);
@@ -207,7 +220,10 @@ class Drawing {
 
   /// Takes another state of the mesh before the next frame.
   void refine(SessionOutcome outcome) {
-    if (outcome.snapshot != outcome_.snapshot) finder_.reset();
+    if (outcome.snapshot != outcome_.snapshot) {
+      finder_.reset();
+      resolver_.reset();
+    }
     outcome_ = std::move(outcome);
   }
 
@@ -219,26 +235,40 @@ class Drawing {
     }
     auto found = finder_->find(camera);
     const bool last = index + 1 == options_.frames;
-    const bool needsDepth = last && (!options_.dumpLines.empty() || !options_.reference.empty());
-    auto frame = painter_.draw(*outcome_.snapshot, found.lines, camera, needsDepth);
-    if (!frame) return tl::unexpected(frame.error());
-    times_.push_back(
-        {found.detectMs,
-         found.chainMs,
-         frame->timings.strokeMs,
-         frame->timings.visibilityMs,
-         frame->timings.drawMs});
-    // Without a number in the path every frame is the same picture: the last one is kept.
-    if (!options_.out.empty() && (options_.orbitPath || last)) {
-      const auto path = framePath(options_.out.string(), index);
-      if (auto written = writePng(path, frame->image); !written) {
-        return tl::unexpected(written.error());
+    // Without a number in a path every frame is the same picture: the last one is kept.
+    const bool isKept = options_.orbitPath || last;
+    if (!options_.out.empty() || !options_.report.empty()) {
+      auto frame = painter_.draw(*outcome_.snapshot, found.lines, camera);
+      if (!frame) return tl::unexpected(frame.error());
+      times_.push_back(
+          {found.detectMs,
+           found.chainMs,
+           frame->timings.strokeMs,
+           frame->timings.visibilityMs,
+           frame->timings.drawMs});
+      if (!options_.out.empty() && isKept) {
+        const auto path = framePath(options_.out.string(), index);
+        if (auto written = writePng(path, frame->image); !written) {
+          return tl::unexpected(written.error());
+        }
       }
+    }
+    if (!options_.svg.empty() && isKept) {
+      const auto svg = svgFile(
+          options_,
+          modelName_,
+          *outcome_.snapshot,
+          found.lines,
+          resolver().resolve(found.lines, camera, options_.viewport),
+          camera);
+      if (!svg) return tl::unexpected(svg.error());
+      const auto path = framePath(options_.svg.string(), index);
+      if (auto ok = writeOutputFile(path, *svg); !ok) return ok;
     }
     if (!last) return {};
     stats_ = found.stats;
     loops_ = found.loops;
-    return finish(camera, found, *frame);
+    return finish(camera, found);
   }
 
   Result<void> writeMeshAndReport() {
@@ -260,10 +290,16 @@ class Drawing {
   }
 
  private:
-  Result<void> finish(const Camera& camera, const LineFinder::Lines& found, const Frame& frame) {
+  const LineResolver& resolver() {
+    if (!resolver_) resolver_.emplace(*outcome_.snapshot);
+    return *resolver_;
+  }
+
+  Result<void> finish(const Camera& camera, const LineFinder::Lines& found) {
     std::vector<std::uint8_t> visible;
-    if (!frame.depth.depth.empty()) {
-      visible = visibilityOf(*outcome_.snapshot, found.lines, camera, options_.viewport, frame);
+    if (!options_.dumpLines.empty() || !options_.reference.empty()) {
+      const auto resolved = resolver().resolve(found.lines, camera, options_.viewport);
+      visible = resolver().perSegment(found.lines, resolved, camera, options_.viewport);
     }
     if (!options_.dumpLines.empty()) {
       const LineDump dump{*outcome_.snapshot, found.lines, visible, camera, options_.viewport};
@@ -278,7 +314,7 @@ class Drawing {
         outcome_.snapshot->model.grid,
         camera,
         options_.viewport);
-    auto error = checkAgainstReference(options_, camera, ours, painter_);
+    auto error = checkAgainstReference(options_, camera, ours);
     if (!error) return tl::unexpected(error.error());
     contourError_ = *error;
     return {};
@@ -289,6 +325,7 @@ class Drawing {
   Painter painter_;
   SessionOutcome outcome_;
   std::optional<LineFinder> finder_;
+  std::optional<LineResolver> resolver_;
   std::vector<FrameTimes> times_;
   DetectionStats stats_;
   std::uint32_t loops_ = 0;
@@ -297,7 +334,8 @@ class Drawing {
 };
 
 bool needsPicture(const RenderCommandOptions& options) {
-  return !options.out.empty() || !options.dumpLines.empty() || !options.report.empty();
+  return !options.out.empty() || !options.svg.empty() || !options.dumpLines.empty() ||
+         !options.report.empty() || options.check;
 }
 
 }  // namespace

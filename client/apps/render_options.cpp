@@ -23,6 +23,7 @@ constexpr char kExamples[] = R"(
 Examples:
   limn-client render --server ws://127.0.0.1:8600 --model dragon --out dragon.png
   limn-client render --mesh bunny.ply --camera orbit:30,20,3 --out bunny.png --report bunny.json
+  limn-client render --mesh gears.stl --silhouette edges --style ink --svg gears.svg
   limn-client render --asset store/assets/ID --until base --dump-mesh base.ply
   limn-client render --mesh cow.obj --path orbit --frames 36 --out 'f%04d.png'
 )";
@@ -51,19 +52,13 @@ bool contains(std::initializer_list<std::string_view> list, std::string_view ite
 struct RawFlags {
   std::string camera, size, until, draw = "strokes", detector = "exact", silhouette = "smooth";
   std::string features = "crease,border,seam", hidden = "style", gl = "egl", path, brush = "none";
-  std::string assets, out, light;
+  std::string assets, out, svg, light;
   std::optional<double> fov, width;
 };
 
 /// Flags of commands whose feature is not there yet: known, so that the answer is a clear one.
-constexpr std::array<const char*, 7> kLaterFlags = {
-    "--svg",
-    "--hull-faces",
-    "--contours",
-    "--memory",
-    "--dump-hull",
-    "--dump-inner-hull",
-    "--plot"};
+constexpr std::array<const char*, 6> kLaterFlags =
+    {"--hull-faces", "--contours", "--memory", "--dump-hull", "--dump-inner-hull", "--plot"};
 
 Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& options) {
   if (raw.draw == "shaded") {
@@ -153,8 +148,13 @@ Result<void> understandView(const RawFlags& raw, RenderCommandOptions& options) 
       return wrong(
           "--out needs a place for the frame's number: write for instance --out 'f%04d.png'");
     }
+    if (!raw.svg.empty() && options.frames > 1 && !hasFrameNumber(raw.svg)) {
+      return wrong(
+          "--svg needs a place for the frame's number: write for instance --svg 'f%04d.svg'");
+    }
   }
   options.out = raw.out;
+  options.svg = raw.svg;
   return {};
 }
 
@@ -232,6 +232,7 @@ void addRender(
   app.add_option("--frames", o.frames, "Frames to draw; times are medians over them (1)");
   app.add_option("--path", raw.path, "orbit: once around the model in --frames frames");
   app.add_option("--out", raw.out, "Picture (PNG); with --path, a pattern like f%04d.png");
+  app.add_option("--svg", raw.svg, "Strokes as vector paths, in layers (SVG); --path: as --out");
   path("--report", o.report, "Report (JSON)");
   path("--dump-mesh", o.dumpMesh, "The client's mesh (PLY)");
   path("--dump-lines", o.dumpLines, "The lines, with visibility (JSON)");
@@ -289,9 +290,9 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
   if (auto ok = understandView(raw, options); !ok) return tl::unexpected(ok.error());
   if (auto ok = understandDrawing(raw, options); !ok) return tl::unexpected(ok.error());
   if (!options.reference.empty() && !options.check) return wrong("--reference goes with --check");
-  if (options.out.empty() && options.report.empty() && options.dumpMesh.empty() &&
-      options.dumpLines.empty()) {
-    return wrong("nothing to write: give --out, --report, --dump-mesh or --dump-lines");
+  if (options.out.empty() && options.svg.empty() && options.report.empty() &&
+      options.dumpMesh.empty() && options.dumpLines.empty()) {
+    return wrong("nothing to write: give --out, --svg, --report, --dump-mesh or --dump-lines");
   }
   return CommandLine{std::move(options), {}};
 }

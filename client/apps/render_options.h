@@ -65,6 +65,7 @@ struct RenderCommandOptions {
   bool orbitPath = false;
 
   std::filesystem::path out;
+  std::filesystem::path svg;
   std::filesystem::path report;
   std::filesystem::path dumpMesh;
   std::filesystem::path dumpLines;

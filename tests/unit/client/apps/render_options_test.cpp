@@ -155,7 +155,6 @@ TEST(RenderOptions, WhatComesLaterIsSaidSo) {
         "render --asset a --out x.png --draw clip",
         "render --asset a --out x.png --draw image-precision:charcoal",
         "render --asset a --out x.png --detector image",
-        "render --asset a --svg x.svg",
         "render --asset a --out x.png --brush charcoal",
         "render --asset a --out x.png --hull-faces 500"}) {
     const auto parsed = parse(line);

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/svg_file.h"
+
+#include "client/render/assets.h"
+#include "client/render/style_files.h"
+#include "client/svg/stroke_shape.h"
+#include "client/svg/svg_drawing.h"
+
+namespace limn {
+namespace {
+
+/// widthPx: of the ink, as `--width` has it; the picture's own ink may be thinner.
+SvgPen penOf(
+    const StrokeTexture& texture,
+    const InkImage& image,
+    const StrokeStyle& style,
+    float widthPx) {
+  const StrokeShape shape = strokeShape(image.ink, image.width);
+  SvgPen pen{texture.color, texture.opacity, widthPx * shape.thickness / style.body, {}};
+  // Textures grow with the stroke, and so do their dashes.
+  for (const float share : shape.dashes)
+    pen.dashPx.push_back(share * texture.lengthPx * widthPx / style.widthPx);
+  return pen;
+}
+
+}  // namespace
+
+Result<std::string> svgFile(
+    const RenderCommandOptions& options,
+    const std::string& modelName,
+    const MeshSnapshot& snapshot,
+    const PolylineSet& lines,
+    const ResolvedLines& resolved,
+    const Camera& camera) {
+  const auto assets = findAssets(options.assets);
+  if (!assets) return tl::unexpected(assets.error());
+  const auto files = readStyle(*assets, options.style);
+  if (!files) return tl::unexpected(files.error());
+  SvgOptions svg;
+  // A file has no catalogue name: its own says more.
+  svg.model = options.source.meshFile.empty() ? modelName : options.source.meshFile.stem().string();
+  svg.creator = std::string("limn-client ") + LIMN_VERSION;
+  const StrokeStyle& style = files->style;
+  const auto widthPx = static_cast<float>(options.widthPx.value_or(style.widthPx));
+  svg.visible = penOf(style.visible, files->visible, style, widthPx);
+  if (options.hidden == HiddenLines::kStyle) {
+    svg.hidden = penOf(style.hidden, files->hidden, style, widthPx);
+  } else if (options.hidden == HiddenLines::kAsVisible) {
+    svg.hidden = svg.visible;
+  }
+  const LineScene scene{
+      snapshot.mesh.mesh(),
+      snapshot.mesh.positions(),
+      snapshot.model.grid,
+      camera,
+      options.viewport};
+  return svgDrawing(lines, resolved, scene, style, svg);
+}
+
+}  // namespace limn

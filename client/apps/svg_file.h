@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/apps/render_options.h"
+#include "client/core/snapshot.h"
+#include "client/stroke/polyline.h"
+#include "client/stroke/resolved_visibility.h"
+
+#include "shared/core/camera.h"
+#include "shared/core/result.h"
+
+#include <string>
+
+namespace limn {
+
+/// `--svg`: the lines as a vector drawing in the style asked for, whose dashes are those of its
+/// textures. Errors: as readStyle().
+[[nodiscard]] Result<std::string> svgFile(
+    const RenderCommandOptions& options,
+    const std::string& modelName,
+    const MeshSnapshot& snapshot,
+    const PolylineSet& lines,
+    const ResolvedLines& resolved,
+    const Camera& camera);
+
+}  // namespace limn

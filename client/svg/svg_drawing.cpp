@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/svg/svg_drawing.h"
+
+#include "client/stroke/line_fade.h"
+#include "client/stroke/spine.h"
+#include "client/svg/curve_fit.h"
+#include "client/svg/path_data.h"
+#include "client/svg/visible_runs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string_view>
+
+namespace limn {
+namespace {
+
+struct KindName {
+  LineKind kind;
+  const char* id;
+  const char* label;
+};
+
+/// From the bottom of the drawing to its top.
+constexpr std::array<KindName, 4> kKinds = {{
+    {LineKind::kSeam, "seams", "Seams"},
+    {LineKind::kCrease, "creases", "Creases"},
+    {LineKind::kBorder, "borders", "Borders"},
+    {LineKind::kSilhouette, "silhouettes", "Silhouettes"},
+}};
+
+/// Fainter lines are left out.
+constexpr float kFaintest = 0.04F;
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        // XML has no place for control characters.
+        out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    }
+  }
+  return out;
+}
+
+/// At most three decimals, no trailing zeros; the same everywhere.
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f", value);
+  std::string out = text;
+  while (out.back() == '0')
+    out.pop_back();
+  if (out.back() == '.') out.pop_back();
+  return out == "-0" ? "0" : out;
+}
+
+/// Every digit: a camera that is read back is the same camera.
+std::string exactNumber(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+std::string vector(const glm::dvec3& v) {
+  return exactNumber(v.x) + " " + exactNumber(v.y) + " " + exactNumber(v.z);
+}
+
+std::string colorText(const glm::vec3& color) {
+  const glm::ivec3 c(glm::round(glm::clamp(color, 0.0F, 1.0F) * 255.0F));
+  char text[8];
+  std::snprintf(
+      text,
+      sizeof text,
+      "#%02x%02x%02x",
+      static_cast<unsigned>(c.r) & 255U,
+      static_cast<unsigned>(c.g) & 255U,
+      static_cast<unsigned>(c.b) & 255U);
+  return text;
+}
+
+std::string attribute(const char* name, const std::string& value) {
+  return std::string(" ") + name + "=\"" + value + "\"";
+}
+
+std::string head(const LineScene& scene, const StrokeStyle& style, const SvgOptions& options) {
+  const Camera& camera = scene.camera;
+  const std::string width = std::to_string(scene.viewport.width);
+  const std::string height = std::to_string(scene.viewport.height);
+  const std::string title = escaped(options.model);
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+         "<svg xmlns=\"http://www.w3.org/2000/svg\"\n"
+         "     xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\"\n"
+         "     xmlns:sodipodi=\"http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd\"\n"
+         "     version=\"1.1\"" +
+         attribute("width", width) + attribute("height", height) +
+         attribute("viewBox", "0 0 " + width + " " + height) + ">\n<title>" + title +
+         "</title>\n<metadata>\n"
+         "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\""
+         " xmlns:cc=\"http://creativecommons.org/ns#\" xmlns:dc=\"http://purl.org/dc/elements/1.1/"
+         "\"><cc:Work rdf:about=\"\"><dc:format>image/svg+xml</dc:format><dc:title>" +
+         title + "</dc:title><dc:creator><cc:Agent><dc:title>" + escaped(options.creator) +
+         "</dc:title></cc:Agent></dc:creator></cc:Work></rdf:RDF>\n"
+         "<limn:view xmlns:limn=\"urn:limn:view\"" +
+         attribute("model", title) + attribute("eye", vector(camera.eye)) +
+         attribute("target", vector(camera.target)) + attribute("up", vector(camera.up)) +
+         attribute("fov", exactNumber(camera.fovDegrees)) +
+         attribute("ortho", camera.orthographic ? "true" : "false") +
+         "/>\n</metadata>\n"
+         "<g inkscape:groupmode=\"layer\" inkscape:label=\"Paper\" id=\"paper\""
+         " sodipodi:insensitive=\"true\">\n<rect" +
+         attribute("width", width) + attribute("height", height) +
+         attribute("fill", colorText(style.paper)) + "/>\n</g>\n";
+}
+
+std::string
+layerHead(const KindName& kind, bool visible, const SvgPen& pen, const StrokeStyle& style) {
+  const bool isThin = kind.kind == LineKind::kCrease || kind.kind == LineKind::kSeam;
+  const char* suffix = visible ? "visible" : "hidden";
+  std::string out =
+      "<g inkscape:groupmode=\"layer\"" +
+      attribute("inkscape:label", std::string(kind.label) + ", " + suffix) +
+      attribute("id", std::string(kind.id) + "-" + suffix) + " fill=\"none\"" +
+      attribute("stroke", colorText(pen.color)) +
+      attribute("stroke-width", number(pen.widthPx * (isThin ? style.creaseWidth : 1.0F)));
+  // Round caps would close the gaps between dashes.
+  out += attribute("stroke-linecap", pen.dashPx.empty() ? "round" : "butt");
+  out += attribute("stroke-linejoin", "round");
+  if (!pen.dashPx.empty()) {
+    std::string dashes;
+    for (const float dash : pen.dashPx)
+      dashes += (dashes.empty() ? "" : " ") + number(dash);
+    out += attribute("stroke-dasharray", dashes);
+  }
+  if (pen.opacity < 1.0F) out += attribute("opacity", number(pen.opacity));
+  return out + ">\n";
+}
+
+}  // namespace
+
+std::string svgDrawing(
+    const PolylineSet& lines,
+    const ResolvedLines& resolved,
+    const LineScene& scene,
+    const StrokeStyle& style,
+    const SvgOptions& options) {
+  // The picture's own steps, so that its strokes run where these do.
+  SpineSet spines = projectLines(lines, scene);
+  std::vector<LineFade> fades;
+  fadeLines(spines, style, fades);
+  dropFaded(spines, fades);
+  smoothSpines(style.smoothPx, spines);
+  const SpineArcs arcs = measureSpines(spines);
+  const std::vector<VisibleRun> runs = cutAtVisibility(spines, arcs, lines, resolved, scene);
+
+  std::string out = head(scene, style, options);
+  for (const bool visible : {false, true}) {
+    if (!visible && !options.hidden) continue;
+    const SvgPen& pen = visible ? options.visible : *options.hidden;
+    for (const KindName& kind : kKinds) {
+      bool isEmpty = true;
+      for (const VisibleRun& run : runs) {
+        if (run.visible != visible || spines.spines[run.spine].kind != kind.kind) continue;
+        const LineFade& fade = fades[run.spine];
+        const float strength = visible ? fade.visible : fade.hidden;
+        if (strength < kFaintest) continue;
+        if (isEmpty) out += layerHead(kind, visible, pen, style);
+        isEmpty = false;
+        const PathEnds ends = run.closed ? PathEnds::kClosed : PathEnds::kOpen;
+        out += "<path";
+        if (strength < 0.995F) out += attribute("opacity", number(strength));
+        out += attribute("d", pathData(fitPath(run.points, ends), ends)) + "/>\n";
+      }
+      if (!isEmpty) out += "</g>\n";
+    }
+  }
+  return out + "</svg>\n";
+}
+
+}  // namespace limn

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/stroke/line_scene.h"
+#include "client/stroke/polyline.h"
+#include "client/stroke/resolved_visibility.h"
+#include "client/stroke/style.h"
+
+#include <glm/glm.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace limn {
+
+/// How one kind of line is drawn in a vector picture.
+struct SvgPen {
+  glm::vec3 color{0.0F};  // sRGB 0 … 1
+  float opacity = 1.0F;
+  float widthPx = 2.5F;  // of silhouettes and borders; creases and seams by the style's creaseWidth
+  std::vector<float> dashPx;  // ink and gap in turn, at the drawing's width; empty: solid
+};
+
+struct SvgOptions {
+  std::string model;    // its name, for the file's title
+  std::string creator;  // program and version
+  SvgPen visible;
+  std::optional<SvgPen> hidden;  // unset: hidden lines are left out
+};
+
+/// Lines as an SVG document that a designer can go on with: a layer (as Inkscape has them) for each
+/// kind of line and visibility, its look in the layer's own attributes, every stroke one path of
+/// lines and smooth curves within a quarter of a pixel of the drawing's strokes, loops closed. The
+/// view is in the metadata. lines: of the scene's mesh; resolved: their visibility in the scene;
+/// style: what lines fade and how they are smoothed, as in the picture.
+/// Threads: reentrant. Cost: O(points · log points).
+[[nodiscard]] std::string svgDrawing(
+    const PolylineSet& lines,
+    const ResolvedLines& resolved,
+    const LineScene& scene,
+    const StrokeStyle& style,
+    const SvgOptions& options);
+
+}  // namespace limn

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/svg/visible_runs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limn {
+namespace {
+
+/// A run of one visibility up to distance `end` along its spine.
+struct Stretch {
+  float end = 0.0F;
+  bool visible = false;
+};
+
+/// Cuts one spine after another.
+class SpineCutter {
+ public:
+  SpineCutter(
+      const SpineSet& spines,
+      const SpineArcs& arcs,
+      const PolylineSet& lines,
+      const ResolvedLines& resolved,
+      const LineScene& scene)
+      : spines_(spines),
+        arcs_(arcs),
+        lines_(lines),
+        resolved_(resolved),
+        viewport_(scene.viewport) {
+    const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
+    clipFromGrid_ = clipFromWorld * scene.grid.step;
+    clipFromGrid_[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
+  }
+
+  void cut(std::uint32_t index, float shortestPx, std::vector<VisibleRun>& out) {
+    const SpineSet::Spine& spine = spines_.spines[index];
+    length_ = arcs_.length[index];
+    if (!(length_ > 0.0F)) return;
+    collect(spine);
+    join();
+    suppress(spine.closed, shortestPx);
+    emit(spine, index, out);
+  }
+
+ private:
+  [[nodiscard]] std::uint32_t after(const SpineSet::Spine& spine, std::uint32_t i) const {
+    return i + 1 < spine.end ? i + 1 : spine.begin;
+  }
+
+  /// Where along the spine's segment i (0 … 1) the line's segment `point` is at t.
+  [[nodiscard]] float shareOf(std::uint32_t i, std::uint32_t next, std::uint32_t point, float t)
+      const {
+    const PolylineSet::Line& line = lines_.lines[line_];
+    const std::uint32_t to = point + 1 < line.end ? point + 1 : line.begin;
+    const glm::dvec3 p =
+        glm::mix(glm::dvec3(lines_.points[point]), glm::dvec3(lines_.points[to]), double{t});
+    const glm::dvec4 clip = clipFromGrid_ * glm::dvec4(p, 1.0);
+    if (clip.z < -clip.w || !(clip.w > 0.0)) return 0.0F;  // before the near plane
+    const glm::vec2 pixel(pixelFromClip(clip, viewport_));
+    const glm::vec2 along = spines_.exact[next] - spines_.exact[i];
+    const float length2 = glm::dot(along, along);
+    if (!(length2 > 0.0F)) return 1.0F;
+    return std::clamp(glm::dot(pixel - spines_.exact[i], along) / length2, 0.0F, 1.0F);
+  }
+
+  void collect(const SpineSet::Spine& spine) {
+    stretches_.clear();
+    line_ = spine.line;
+    const PolylineSet::Line& line = lines_.lines[line_];
+    const std::uint32_t segments = spine.closed ? spine.size() : spine.size() - 1;
+    for (std::uint32_t k = 0; k < segments; ++k) {
+      const std::uint32_t i = spine.begin + k;
+      const std::uint32_t next = after(spine, i);
+      const float from = arcs_.arc[i];
+      const float to = k + 1 == segments && spine.closed ? length_ : arcs_.arc[next];
+      // Points that fell together left their segments to the one that goes on.
+      std::uint32_t point = spines_.source[i];
+      const std::uint32_t past = spines_.source[next];
+      float share = 0.0F;
+      bool visible = false;
+      do {
+        for (const ResolvedLines::Piece& piece : resolved_.piecesOf(point)) {
+          visible = piece.visible;
+          share = std::max(share, shareOf(i, next, point, piece.end));
+          stretches_.push_back({from + share * (to - from), visible});
+        }
+        point = point + 1 < line.end ? point + 1 : line.begin;
+      } while (point != past && past != spines_.source[i] && share < 1.0F);
+      stretches_.push_back({to, visible});
+    }
+    stretches_.back().end = length_;
+  }
+
+  /// Stretches of one visibility become one; those of no length go.
+  void join() {
+    std::size_t kept = 0;
+    float begin = 0.0F;
+    for (const Stretch& stretch : stretches_) {
+      if (!(stretch.end > begin)) continue;
+      begin = stretch.end;
+      if (kept > 0 && stretches_[kept - 1].visible == stretch.visible) {
+        stretches_[kept - 1].end = stretch.end;
+      } else {
+        stretches_[kept++] = stretch;
+      }
+    }
+    stretches_.resize(kept);
+  }
+
+  [[nodiscard]] float lengthOf(std::size_t i, bool closed) const {
+    const float own = stretches_[i].end - (i > 0 ? stretches_[i - 1].end : 0.0F);
+    // On a loop the first and the last may be one.
+    const bool wraps =
+        closed && stretches_.size() > 1 && stretches_.front().visible == stretches_.back().visible;
+    if (wraps && i == 0) return own + lengthOf(stretches_.size() - 1, false);
+    if (wraps && i + 1 == stretches_.size()) return own + stretches_.front().end;
+    return own;
+  }
+
+  void suppress(bool closed, float shortestPx) {
+    while (stretches_.size() > 1) {
+      std::size_t shortest = 0;
+      for (std::size_t i = 1; i < stretches_.size(); ++i) {
+        if (lengthOf(i, closed) < lengthOf(shortest, closed)) shortest = i;
+      }
+      if (!(lengthOf(shortest, closed) < shortestPx)) return;
+      const bool wraps = closed && stretches_.front().visible == stretches_.back().visible &&
+                         (shortest == 0 || shortest + 1 == stretches_.size());
+      if (wraps) {
+        if (stretches_.size() == 2) return;
+        stretches_.front().visible = !stretches_.front().visible;
+        stretches_.back().visible = stretches_.front().visible;
+      } else {
+        stretches_[shortest].visible = !stretches_[shortest].visible;
+      }
+      join();
+    }
+  }
+
+  [[nodiscard]] glm::vec2 pointAt(const SpineSet::Spine& spine, float arc) const {
+    const auto first = arcs_.arc.begin() + spine.begin;
+    const auto past = arcs_.arc.begin() + spine.end;
+    const auto above = std::upper_bound(first, past, arc);
+    const auto i = static_cast<std::uint32_t>(std::max<std::ptrdiff_t>(above - first, 1) - 1);
+    const std::uint32_t at = spine.begin + i;
+    if (at + 1 == spine.end && !spine.closed) return spines_.points[at];
+    const float to = at + 1 == spine.end ? length_ : arcs_.arc[at + 1];
+    const float span = to - arcs_.arc[at];
+    const float share = span > 0.0F ? std::clamp((arc - arcs_.arc[at]) / span, 0.0F, 1.0F) : 0.0F;
+    return glm::mix(spines_.points[at], spines_.points[after(spine, at)], share);
+  }
+
+  /// The points strictly between two distances.
+  void appendBetween(
+      const SpineSet::Spine& spine,
+      float from,
+      float to,
+      std::vector<glm::vec2>& points) const {
+    for (std::uint32_t i = spine.begin; i < spine.end; ++i) {
+      if (arcs_.arc[i] > from && arcs_.arc[i] < to) points.push_back(spines_.points[i]);
+    }
+  }
+
+  void emit(const SpineSet::Spine& spine, std::uint32_t index, std::vector<VisibleRun>& out) const {
+    if (stretches_.size() == 1) {
+      VisibleRun run{{}, index, stretches_.front().visible, spine.closed};
+      run.points.assign(spines_.points.begin() + spine.begin, spines_.points.begin() + spine.end);
+      out.push_back(std::move(run));
+      return;
+    }
+    const bool wraps = spine.closed && stretches_.front().visible == stretches_.back().visible;
+    const std::size_t count = stretches_.size() - (wraps ? 1 : 0);
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool isAcross = wraps && k == 0;  // from the last cut over the loop's start
+      const float from = isAcross ? stretches_[count - 1].end
+                         : k > 0  ? stretches_[k - 1].end
+                                  : 0.0F;
+      const float to = stretches_[k].end;
+      VisibleRun run{{pointAt(spine, from)}, index, stretches_[k].visible, false};
+      if (isAcross) {
+        appendBetween(spine, from, length_, run.points);
+        run.points.push_back(spines_.points[spine.begin]);
+        appendBetween(spine, 0.0F, to, run.points);
+      } else {
+        appendBetween(spine, from, to, run.points);
+      }
+      // The end of a loop is its beginning.
+      run.points.push_back(
+          to < length_ ? pointAt(spine, to)
+                       : spines_.points[spine.closed ? spine.begin : spine.end - 1]);
+      out.push_back(std::move(run));
+    }
+  }
+
+  const SpineSet& spines_;
+  const SpineArcs& arcs_;
+  const PolylineSet& lines_;
+  const ResolvedLines& resolved_;
+  Viewport viewport_;
+  glm::dmat4 clipFromGrid_;
+  // Of the spine at hand.
+  float length_ = 0.0F;
+  std::uint32_t line_ = 0;
+  std::vector<Stretch> stretches_;
+};
+
+}  // namespace
+
+std::vector<VisibleRun> cutAtVisibility(
+    const SpineSet& spines,
+    const SpineArcs& arcs,
+    const PolylineSet& lines,
+    const ResolvedLines& resolved,
+    const LineScene& scene,
+    const RunOptions& options) {
+  std::vector<VisibleRun> runs;
+  SpineCutter cutter(spines, arcs, lines, resolved, scene);
+  for (std::uint32_t i = 0; i < spines.spines.size(); ++i)
+    cutter.cut(i, options.shortestPx, runs);
+  return runs;
+}
+
+}  // namespace limn

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/svg/svg_drawing.h"
+
+#include "client/stroke/chain.h"
+#include "client/svg/visible_runs.h"
+
+#include "shared/mesh/primitives.h"
+#include "shared/silhouette/detector.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace limn {
+namespace {
+
+/// A knot, which passes behind itself.
+class Drawn {
+ public:
+  explicit Drawn(TriangleMesh from = primitives::torusKnot(2, 3, 160, 24))
+      : shape(std::move(from)) {
+    auto built =
+        HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
+    EXPECT_TRUE(built);
+    if (built) mesh = *std::move(built);
+    camera = orbitCamera(boundingSphere(shape.grid, shape.positions), 20.0, 15.0);
+    const SilhouetteField field(mesh, shape.positions, SilhouetteKind::kSmooth);
+    const SilhouetteView view{shape.grid.fromModel(camera.eye), camera.forward(), false};
+    SilhouetteChainer chainer;
+    lines = chainer.chain(field, view, makeDetector(DetectorMethod::kBrute, field)->detect(view));
+    resolved = VisibilityResolver(mesh, shape.positions).resolve(lines, scene());
+  }
+
+  [[nodiscard]] LineScene scene() const {
+    return {mesh, shape.positions, shape.grid, camera, Viewport{800, 600}};
+  }
+
+  TriangleMesh shape;
+  HalfEdgeMesh mesh;
+  Camera camera;
+  PolylineSet lines;
+  ResolvedLines resolved;
+};
+
+SvgOptions options() {
+  SvgOptions o;
+  o.model = "a <torus> & \"more\"";
+  o.creator = "test";
+  o.visible.color = {1.0F, 0.0F, 0.0F};
+  o.hidden = SvgPen{{0.0F, 0.0F, 1.0F}, 0.5F, 1.5F, {4.0F, 2.0F}};
+  return o;
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(SvgDrawing, HasALayerForEachKindAndVisibilityWithItsLook) {
+  const Drawn drawn;
+  const std::string svg =
+      svgDrawing(drawn.lines, drawn.resolved, drawn.scene(), StrokeStyle{}, options());
+  EXPECT_TRUE(has(svg, "inkscape:groupmode=\"layer\" inkscape:label=\"Silhouettes, visible\""));
+  EXPECT_TRUE(has(svg, "stroke=\"#ff0000\" stroke-width=\"2.5\" stroke-linecap=\"round\""));
+  EXPECT_TRUE(has(svg, "inkscape:label=\"Silhouettes, hidden\""));
+  EXPECT_TRUE(has(svg, "stroke-dasharray=\"4 2\" opacity=\"0.5\""));
+  EXPECT_FALSE(has(svg, "Creases"));
+  EXPECT_TRUE(has(svg, "<title>a &lt;torus&gt; &amp; &quot;more&quot;</title>"));
+  EXPECT_TRUE(has(svg, "viewBox=\"0 0 800 600\""));
+}
+
+TEST(SvgDrawing, ALoopThatIsAllVisibleIsOneClosedPath) {
+  const Drawn drawn(primitives::icosphere(4));
+  const std::string svg =
+      svgDrawing(drawn.lines, drawn.resolved, drawn.scene(), StrokeStyle{}, options());
+  EXPECT_EQ(svg.find("<path"), svg.rfind("<path"));
+  EXPECT_TRUE(has(svg, "z\"/>"));
+}
+
+TEST(SvgDrawing, LeavesHiddenLinesOutWhenTold) {
+  const Drawn drawn;
+  SvgOptions without = options();
+  without.hidden.reset();
+  const std::string svg =
+      svgDrawing(drawn.lines, drawn.resolved, drawn.scene(), StrokeStyle{}, without);
+  EXPECT_FALSE(has(svg, "hidden"));
+  EXPECT_TRUE(has(svg, "<path"));
+}
+
+TEST(SvgDrawing, ADrawingOfNothingIsStillADocument) {
+  const Drawn drawn;
+  ResolvedLines nothing;
+  nothing.begin = {0};
+  const std::string svg =
+      svgDrawing(PolylineSet{}, nothing, drawn.scene(), StrokeStyle{}, options());
+  EXPECT_TRUE(svg.ends_with("</g>\n</svg>\n"));
+}
+
+TEST(VisibleRuns, CoverEverySpineAndShareTheirCuts) {
+  const Drawn drawn;
+  const SpineSet spines = projectLines(drawn.lines, drawn.scene());
+  const SpineArcs arcs = measureSpines(spines);
+  const auto runs =
+      cutAtVisibility(spines, arcs, drawn.lines, drawn.resolved, drawn.scene(), {5.5F});
+  std::vector<float> covered(spines.spines.size(), 0.0F);
+  bool someVisible = false;
+  bool someHidden = false;
+  for (const VisibleRun& run : runs) {
+    float length = 0.0F;
+    for (std::size_t i = 1; i < run.points.size(); ++i)
+      length += glm::distance(run.points[i - 1], run.points[i]);
+    if (run.closed) length += glm::distance(run.points.back(), run.points.front());
+    EXPECT_GE(length, std::min(5.4F, arcs.length[run.spine] - 0.1F));
+    covered[run.spine] += length;
+    someVisible = someVisible || run.visible;
+    someHidden = someHidden || !run.visible;
+  }
+  EXPECT_TRUE(someVisible);
+  EXPECT_TRUE(someHidden);
+  for (std::size_t s = 0; s < covered.size(); ++s)
+    EXPECT_NEAR(covered[s], arcs.length[s], 1e-3F * arcs.length[s] + 1e-3F);
+  // Runs of one spine follow one another; on a loop the last meets the first.
+  for (std::size_t i = 0; i + 1 < runs.size(); ++i) {
+    if (runs[i].spine != runs[i + 1].spine) continue;
+    EXPECT_LT(glm::distance(runs[i].points.back(), runs[i + 1].points.front()), 1e-3F);
+    EXPECT_NE(runs[i].visible, runs[i + 1].visible);
+  }
+}
+
+}  // namespace
+}  // namespace limn
