@@ -20,7 +20,7 @@ test="libgtest-dev libbenchmark-dev draco python3 git
   librsvg2-bin clang libclang-rt-14-dev llvm-14 clang-format clang-tidy"
 
 # What benches compare with, where it is there.
-bench="libembree-dev"
+bench="libembree-dev libeigen3-dev libmeshoptimizer-dev"
 
 # What deploy/demo.sh itself calls.
 demo="python3 tar"

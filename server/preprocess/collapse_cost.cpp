@@ -5,10 +5,13 @@
 //   P. Lindstrom, G. Turk, "Fast and memory efficient polygonal simplification", Visualization
 //   1998; papers/002, section 3.1: FC = λ·F_vol·d + (1 − λ)·L²·F_bound, λ = ½.
 // Ours: the kept vertex does not move (subset placement), so a cost is evaluated at its place;
-// planes through borders and creases keep them where they are; a small length term decides between
-// collapses that cost nothing, in favour of well-shaped triangles.
+// creases and seams count as borders; a small length term decides between collapses that cost
+// nothing, in favour of well-shaped triangles.
 #include "server/preprocess/collapse_cost.h"
 
+#include "server/preprocess/view_sphere.h"
+
+#include <bit>
 #include <cmath>
 
 namespace limn {
@@ -17,15 +20,12 @@ namespace {
 constexpr double kLambda = 0.5;         // papers/002
 constexpr double kFeatureWeight = 2.0;  // of a border or crease plane, against a face of that size
 constexpr double kLengthWeight = 1e-3;  // of the tie-breaker: (1/30 of an edge)² of distance
+constexpr double kFlatWeight = 0.1;     // of a region that no view sees as silhouette, against 1
+constexpr double kVolumeLengthWeight = 3e-5;  // the same for volumes, which go with length³
 
-template <class Visit>
-void forEachFace(const HalfEdgeMesh& mesh, std::uint32_t v, Visit visit) {
-  const HalfEdgeId first = mesh.outgoing[v];
-  for (HalfEdgeId h = first; h != kNone;) {
-    visit(h, mesh.target(h), mesh.origin(HalfEdgeMesh::prev(h)));
-    h = mesh.rotateCcw(h);
-    if (h == first) break;
-  }
+// An edge that is drawn whatever the view, and has to stay where it is.
+bool isLine(const CollapseMesh& mesh, HalfEdgeId edge) {
+  return mesh.mesh().twin(edge) == kNone || mesh.features()[edge] != 0;
 }
 
 // The plane through a border or crease edge, perpendicular to the face beside it.
@@ -42,15 +42,13 @@ void addEdgePlane(const CollapseMesh& mesh, HalfEdgeId h, Quadric& quadric) {
 
 Quadric vertexQuadric(const CollapseMesh& mesh, std::uint32_t v) {
   Quadric quadric;
-  const HalfEdgeMesh& halfEdges = mesh.mesh();
-  forEachFace(halfEdges, v, [&](HalfEdgeId h, std::uint32_t a, std::uint32_t b) {
+  mesh.forEachFace(v, [&](HalfEdgeId h, std::uint32_t a, std::uint32_t b) {
     const glm::dvec3 normal = mesh.areaNormal(v, a, b);
     const double length = glm::length(normal);
     if (length > 0.0)
       quadric.addPlane(normal / length, glm::dvec3(mesh.positions()[v]), length / 6.0);
     for (const HalfEdgeId edge : {h, HalfEdgeMesh::prev(h)}) {
-      if (halfEdges.twin(edge) == kNone || mesh.features()[edge] != 0)
-        addEdgePlane(mesh, edge, quadric);
+      if (isLine(mesh, edge)) addEdgePlane(mesh, edge, quadric);
     }
   });
   return quadric;
@@ -62,29 +60,29 @@ double squaredLength(const CollapseMesh& mesh, std::uint32_t v, std::uint32_t u)
 }
 
 // Sum of the squared volumes that v's faces sweep when v goes to u, and of the squared areas that
-// its border edges sweep [Lindstrom98, equations 4 and 7]; all factors common to both dropped.
+// its border and crease edges sweep [Lindstrom98, equations 4 and 7]; all factors common to both
+// dropped.
 double volumeCost(const CollapseMesh& mesh, std::uint32_t v, std::uint32_t u) {
-  const glm::dvec3 target(mesh.positions()[u]);
   const glm::dvec3 from(mesh.positions()[v]);
+  const glm::dvec3 move = glm::dvec3(mesh.positions()[u]) - from;
   double volume = 0.0;
   double boundary = 0.0;
   double degree = 0.0;
-  forEachFace(mesh.mesh(), v, [&](HalfEdgeId h, std::uint32_t a, std::uint32_t b) {
-    const double swept = glm::dot(mesh.areaNormal(v, a, b), target - from) / 6.0;
+  mesh.forEachFace(v, [&](HalfEdgeId h, std::uint32_t a, std::uint32_t b) {
+    const double swept = glm::dot(mesh.areaNormal(v, a, b), move) / 6.0;
     volume += swept * swept;
     ++degree;
     for (const HalfEdgeId edge : {h, HalfEdgeMesh::prev(h)}) {
-      if (mesh.mesh().twin(edge) != kNone) continue;
+      if (!isLine(mesh, edge)) continue;
       const glm::dvec3 other(mesh.positions()[edge == h ? a : b]);
-      const glm::dvec3 area = 0.5 * glm::cross(other - from, target - from);
+      const glm::dvec3 area = 0.5 * glm::cross(other - from, move);
       boundary += glm::dot(area, area);
     }
   });
-  forEachFace(mesh.mesh(), u, [&](HalfEdgeId, std::uint32_t, std::uint32_t) { ++degree; });
-  const double length2 = squaredLength(mesh, v, u);
-  // The tie-breaker has volume² units: length⁶.
+  mesh.forEachFace(u, [&](HalfEdgeId, std::uint32_t, std::uint32_t) { ++degree; });
+  const double length2 = glm::dot(move, move);
   return kLambda * volume * degree + (1.0 - kLambda) * length2 * boundary +
-         1e-6 * length2 * length2 * length2;
+         kVolumeLengthWeight * length2 * length2 * length2;
 }
 
 }  // namespace
@@ -141,6 +139,17 @@ double CostModel::cost(const CollapseMesh& mesh, std::uint32_t v, std::uint32_t 
 
 void CostModel::collapsed(const HalfEdgeCollapse& collapse) {
   if (kind_ == CollapseCost::kQuadric) quadrics_[collapse.kept] += quadrics_[collapse.removed];
+}
+
+double silhouetteWeight(const CollapseMesh& mesh, std::uint32_t v) {
+  std::uint64_t any = 0;
+  std::uint64_t all = ~std::uint64_t{0};
+  mesh.forEachFace(v, [&](HalfEdgeId, std::uint32_t a, std::uint32_t b) {
+    const std::uint64_t cells = facingCells(mesh.areaNormal(v, a, b));
+    any |= cells;
+    all &= cells;
+  });
+  return kFlatWeight + std::popcount(any & ~all) / static_cast<double>(kViewCells);
 }
 
 }  // namespace limn

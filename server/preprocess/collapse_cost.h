@@ -12,8 +12,8 @@ namespace limn {
 
 /// Which edges collapse first (--cost).
 enum class CollapseCost : std::uint8_t {
-  kVolume,   // papers' volume, boundary, squared length and degree sum with λ = ½ [Lindstrom98]
-  kQuadric,  // accumulated quadrics [GarlandHeckbert97], area-weighted
+  kVolume,      // papers/002: volume, boundary, squared length and degree sum with λ = ½
+  kQuadric,     // accumulated quadrics [GarlandHeckbert97], area-weighted
   kMemoryless,  // quadrics of the current mesh only [Lindstrom98]
 };
 
@@ -34,8 +34,9 @@ class CostModel {
  public:
   CostModel(CollapseCost kind, const CollapseMesh& mesh);
 
-  /// Cost of v → u, comparable between all edges of the mesh; u must be a neighbour of v.
-  /// Pure. Cost: O(1) for quadrics, O(valence) else.
+  /// Cost of v → u, comparable between the edges out of v; u must be a neighbour of v. Times
+  /// silhouetteWeight(v): comparable between all edges of the mesh. Pure. Cost: O(1) for quadrics,
+  /// O(valence) else.
   [[nodiscard]] double cost(const CollapseMesh& mesh, std::uint32_t v, std::uint32_t u) const;
 
   /// To be told of each collapse that is carried out.
@@ -45,5 +46,10 @@ class CostModel {
   CollapseCost kind_;
   std::vector<Quadric> quadrics_;  // by vertex; empty but for kQuadric
 };
+
+/// What the view sphere of papers/002 makes of a removal of v: the share of view directions from
+/// which a silhouette crosses v's faces, and a little more, so that flat regions cost something.
+/// Pure. Cost: O(valence), some 100 ns.
+[[nodiscard]] double silhouetteWeight(const CollapseMesh& mesh, std::uint32_t v);
 
 }  // namespace limn

@@ -7,15 +7,6 @@
 #include <cmath>
 
 namespace limn {
-namespace {
-
-// A face may turn by up to this much in one collapse: cosine of the angle between its normals.
-// Lower lets slivers fold over; higher blocks coarse levels (0.2 also served progressive hulls
-// well).
-constexpr double kLeastNormalCosine = 0.2;
-
-}  // namespace
-
 Result<CollapseMesh> CollapseMesh::build(
     const TriangleMesh& mesh,
     std::vector<std::uint8_t> features) {
@@ -36,28 +27,22 @@ glm::dvec3 CollapseMesh::areaNormal(std::uint32_t a, std::uint32_t b, std::uint3
   return glm::cross(glm::dvec3(positions_[b]) - p, glm::dvec3(positions_[c]) - p);
 }
 
-bool CollapseMesh::turnsFaceOver(std::uint32_t v, std::uint32_t u) const {
-  const HalfEdgeId first = mesh_.outgoing[v];
-  for (HalfEdgeId h = first; h != kNone;) {
-    const std::uint32_t a = mesh_.target(h);
-    const std::uint32_t b = mesh_.origin(HalfEdgeMesh::prev(h));
-    if (a != u && b != u) {
-      const glm::dvec3 before = areaNormal(v, a, b);
-      const glm::dvec3 after = areaNormal(u, a, b);
-      const double lengths = std::sqrt(glm::dot(before, before) * glm::dot(after, after));
-      // A face that has no area already cannot get worse; one that would lose its area may not.
-      if (lengths > 0.0 ? glm::dot(before, after) < kLeastNormalCosine * lengths
-                        : glm::dot(before, before) > 0.0) {
-        return true;
-      }
-    }
-    h = mesh_.rotateCcw(h);
-    if (h == first) break;
-  }
-  return false;
+bool CollapseMesh::turnsFace(std::uint32_t v, std::uint32_t u, double leastNormalCosine) const {
+  bool turns = false;
+  forEachFace(v, [&](HalfEdgeId, std::uint32_t a, std::uint32_t b) {
+    if (turns || a == u || b == u) return;
+    const glm::dvec3 before = areaNormal(v, a, b);
+    const glm::dvec3 after = areaNormal(u, a, b);
+    const double lengths2 = glm::dot(before, before) * glm::dot(after, after);
+    // A face that has no area already cannot get worse; one that would lose its area may not.
+    turns = lengths2 > 0.0 ? glm::dot(before, after) < leastNormalCosine * std::sqrt(lengths2)
+                           : glm::dot(before, before) > 0.0;
+  });
+  return turns;
 }
 
-std::optional<HalfEdgeCollapse> CollapseMesh::plan(std::uint32_t v, std::uint32_t u) const {
+std::optional<HalfEdgeCollapse>
+CollapseMesh::plan(std::uint32_t v, std::uint32_t u, double leastNormalCosine) const {
   HalfEdgeCollapse result{.removed = v, .kept = u};
   const HalfEdgeId vu = mesh_.find(v, u);
   const HalfEdgeId uv = vu != kNone ? mesh_.twin(vu) : mesh_.find(u, v);
@@ -91,7 +76,7 @@ std::optional<HalfEdgeCollapse> CollapseMesh::plan(std::uint32_t v, std::uint32_
     mesh_.ring(side, ringSide);
     if (wouldStarve(side, ringSide.size() - 1)) return std::nullopt;
   }
-  if (turnsFaceOver(v, u)) return std::nullopt;
+  if (turnsFace(v, u, leastNormalCosine)) return std::nullopt;
 
   const auto note = [&](HalfEdgeId h, SplitFeature bit) {
     if (h != kNone && features_[h] != 0) result.features |= bit;

@@ -34,9 +34,10 @@ class CollapseMesh {
       std::vector<std::uint8_t> features);
 
   /// The collapse v → u of the edge between them, if it keeps the mesh a simple manifold: the link
-  /// condition [Dey99, "Topology preserving edge contraction"], border rules, no face turned over.
-  /// nullopt otherwise. Cost: O(valence of both).
-  [[nodiscard]] std::optional<HalfEdgeCollapse> plan(std::uint32_t v, std::uint32_t u) const;
+  /// condition [Dey99, "Topology preserving edge contraction"], border rules, no face that turns by
+  /// more than leastNormalCosine says. nullopt otherwise. Cost: O(valence of both).
+  [[nodiscard]] std::optional<HalfEdgeCollapse>
+  plan(std::uint32_t v, std::uint32_t u, double leastNormalCosine) const;
 
   /// Carries out a collapse that plan() returned and nothing has touched since.
   void collapse(const HalfEdgeCollapse& collapse);
@@ -55,11 +56,22 @@ class CollapseMesh {
   /// A face that no collapse has removed.
   [[nodiscard]] bool isAlive(FaceId f) const { return mesh_.origins[3 * f] != kNone; }
 
+  /// Calls visit(h, a, b) for each face (v, a, b) around v, counter-clockwise; h runs from v to a.
+  template <class Visit>
+  void forEachFace(std::uint32_t v, Visit visit) const {
+    const HalfEdgeId first = mesh_.outgoing[v];
+    for (HalfEdgeId h = first; h != kNone;) {
+      visit(h, mesh_.target(h), mesh_.origin(HalfEdgeMesh::prev(h)));
+      h = mesh_.rotateCcw(h);
+      if (h == first) break;
+    }
+  }
+
   /// Twice the area times the unit normal, exact.
   [[nodiscard]] glm::dvec3 areaNormal(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
 
  private:
-  [[nodiscard]] bool turnsFaceOver(std::uint32_t v, std::uint32_t u) const;
+  [[nodiscard]] bool turnsFace(std::uint32_t v, std::uint32_t u, double leastNormalCosine) const;
   HalfEdgeId removeFace(HalfEdgeId inner);
   void settleOutgoing(std::uint32_t v, HalfEdgeId any);
 

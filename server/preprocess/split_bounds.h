@@ -4,6 +4,7 @@
 #include "server/preprocess/collapse_mesh.h"
 
 #include "shared/progressive/split_forest.h"
+#include "shared/view/normal_cone.h"
 
 #include <glm/glm.hpp>
 
@@ -30,8 +31,7 @@ class BoundsGatherer {
   struct Subtree {
     float radius = 0.0F;     // around the vertex, grid units
     float deviation = 0.0F;  // of the current surface from the full one near the vertex
-    glm::vec3 coneAxis{0.0F};
-    float coneCos = 1.0F;
+    NormalCone cone;
   };
 
   std::vector<Subtree> subtrees_;

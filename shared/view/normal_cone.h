@@ -22,4 +22,8 @@ struct NormalCone {
 /// normals, or when no half space holds them, everything. Cost: O(normals).
 [[nodiscard]] NormalCone fitNormalCone(std::span<const glm::dvec3> normals);
 
+/// The smallest cone around two, or every direction where it would have to be wider than a half
+/// space. Rounding is to the safe side. Takes square roots only: the same on every platform.
+[[nodiscard]] NormalCone mergedCone(const NormalCone& a, const NormalCone& b);
+
 }  // namespace limn

@@ -63,6 +63,51 @@ TEST(NormalCone, OfNothingOrOpposedNormalsIsEverything) {
   EXPECT_LE(fitNormalCone(opposed).cosHalf, 0.0);
 }
 
+// A random direction within the cone, often on its rim.
+glm::dvec3 randomInside(Rng& rng, const NormalCone& cone) {
+  const double half = std::acos(std::clamp(cone.cosHalf, -1.0, 1.0));
+  const double angle = half * std::min(1.0, 2.0 * rng.uniform());
+  const glm::dvec3 side = glm::normalize(glm::cross(cone.axis, randomUnit(rng)));
+  return std::cos(angle) * cone.axis + std::sin(angle) * side;
+}
+
+TEST(NormalCone, MergedHoldsBothAndIsNoWiderThanTheirOpening) {
+  Rng rng(4);
+  int narrow = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double spread = std::pow(10.0, -4.0 * rng.uniform());
+    const NormalCone a{randomUnit(rng), std::cos(0.7 * spread * rng.uniform())};
+    const NormalCone b{
+        glm::normalize(a.axis + spread * randomUnit(rng)),
+        trial % 3 == 0 ? 1.0 : std::cos(0.7 * spread * rng.uniform())};
+    const NormalCone both = mergedCone(a, b);
+    for (int i = 0; i < 20; ++i) {
+      const glm::dvec3 direction = randomInside(rng, i % 2 == 0 ? a : b);
+      EXPECT_GE(glm::dot(both.axis, direction), both.cosHalf - 1e-13);
+    }
+    // The slow way: angles.
+    const auto angle = [](double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)); };
+    const double between = angle(glm::dot(a.axis, b.axis));
+    const double widest = std::max(angle(a.cosHalf), angle(b.cosHalf));
+    const double opening = std::max(widest, 0.5 * (between + angle(a.cosHalf) + angle(b.cosHalf)));
+    if (both.cosHalf == -1.0) {
+      EXPECT_GE(opening, 1.57);
+    } else {
+      EXPECT_LE(angle(both.cosHalf), opening + 2e-6);
+      ++narrow;
+    }
+  }
+  EXPECT_GT(narrow, 1500);
+}
+
+TEST(NormalCone, MergedWithEverythingIsEverything) {
+  const NormalCone narrow{{0.0, 0.0, 1.0}, 0.9};
+  EXPECT_EQ(mergedCone(narrow, NormalCone{}).cosHalf, -1.0);
+  EXPECT_EQ(mergedCone(NormalCone{}, narrow).cosHalf, -1.0);
+  const NormalCone opposed{{0.0, 0.0, -1.0}, 1.0};
+  EXPECT_EQ(mergedCone({{0.0, 0.0, 1.0}, 1.0}, opposed).cosHalf, -1.0);
+}
+
 TEST(AnchoredCone, NeverClaimsMoreThanTheFloatPlanesSay) {
   Rng rng(2);
   int claims = 0;
