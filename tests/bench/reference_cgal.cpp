@@ -4,7 +4,7 @@
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Count_stop_predicate.h>
-#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/GarlandHeckbert_policies.h>
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/GarlandHeckbert_plane_policies.h>
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/LindstromTurk_cost.h>
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/LindstromTurk_placement.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
@@ -74,7 +74,7 @@ PlainMesh simplifyLindstromTurk(const PlainMesh& mesh, std::size_t faces) {
 PlainMesh simplifyGarlandHeckbert(const PlainMesh& mesh, std::size_t faces) {
   Mesh work = toCgal(mesh);
   const FaceStop stop(work, faces);
-  const Sms::GarlandHeckbert_policies<Mesh, Kernel> policies(work);
+  const Sms::GarlandHeckbert_plane_policies<Mesh, Kernel> policies(work);
   Sms::edge_collapse(
       work,
       stop,

@@ -10,6 +10,7 @@
 #include "tests/bench/reference_simplifiers.h"
 
 #include "shared/codec/draco_codec.h"
+#include "shared/codec/front_classes.h"
 #include "shared/codec/split_codec.h"
 
 #include <nlohmann/json.hpp>
@@ -257,7 +258,7 @@ class Bench {
     whole["draco_ratio"] = static_cast<double>(bytes) / static_cast<double>(fullDraco_);
     whole["ring"] = static_cast<double>(forest.rings.size()) / forest.splitCount();
 
-    const SplitModel model = trainSplitModel(forest);
+    const SplitModel model = trainSplitModel(forest, frontsOf(forest));
     std::uint32_t blockLevels = 0;
     for (std::uint64_t at = 0; at < wireBytes(wire.blocks); ++blockLevels)
       at += wire.levelBytes[blockLevels + 1];
