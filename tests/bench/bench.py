@@ -17,6 +17,13 @@ import harness  # noqa: E402
 
 GROUPS = ("stream", "simplify", "silhouette", "visibility", "server")
 LATER = {"hull", "clip"}  # named in the contract, measured once what they measure exists
+# Bytes until settled and exact (edges) over one Draco mesh of the same 12-bit grid.
+SELECTION_TARGETS = {
+    "bunny-closed": {"settled": 0.10, "exact": 0.60},
+    "horse": {"settled": 0.10, "exact": 0.60},
+    "turbine-blade": {"settled": 0.10, "exact": 0.45},
+    "dragon": {"settled": 0.08, "exact": 0.70},
+}
 EXTENSIONS = {".ply", ".obj", ".stl", ".off", ".glb", ".gltf"}
 
 
@@ -121,6 +128,33 @@ class Bench:
                     ours = size["received"] - size["seeds"] - size["features"]
                     target = 1 if until == "exact" and name == "turbine-blade" else None
                     self.table.add("stream, cold until %s" % until, name, ours, self.draco.get(name), target, "B")
+
+        self.selection()
+
+    def selection(self):
+        """What a view needs, at 12 bits: sessions without a socket, from views evenly spread at 3 radii, 1024 x 1024, 1 px.
+        p95: distance between the visible contours of the client and of the full mesh, by length, the worse way, worst view."""
+        named = [n for n in SELECTION_TARGETS if n in self.files]
+        if self.quick:
+            named = [n for n in named if n != "dragon"]
+        for name in named or self.files:
+            targets = SELECTION_TARGETS.get(name, {})
+            dump = self.folder / "dump12.ply"
+            harness.run("limn-prepare", self.files[name], "--store", self.store, "--name", name + "-12", "--quantization", 12,
+                        "--dump-mesh", dump)
+            draco = draco_bytes(dump, 12, self.folder) if shutil.which("draco_encoder") else None
+            out = json.loads(subprocess.run(
+                [str(harness.BIN / "limn-selection-bench"), str(self.store), name + "-12", "--views", "4" if self.quick else "20"],
+                check=True, stdout=subprocess.PIPE, text=True).stdout)
+            for kind in ("edges", "smooth"):
+                settled, exact = out["settled"][kind], out["exact"][kind]
+                judged = targets if kind == "edges" else {}
+                self.table.add("12 bits, settled, " + kind, name, settled["bytes"]["mean"], draco, judged.get("settled"), "B")
+                self.table.add("  contours off, p95", name, settled["p95_px"]["max"], None, 1, "px")
+                self.table.add("  search, CPU", name, settled["search_cpu_ms"]["mean"], None, None, "ms")
+                self.table.add("12 bits, exact, " + kind, name, exact["bytes"]["mean"], draco, judged.get("exact"), "B")
+                self.table.add("  each 5 degrees on", name, exact["turn_share"]["mean"], None, 0.15, "x")
+            self.table.add("view cell, CPU", name, out["cell"]["choose_cpu_ms"]["max"], None, 50, "ms")
 
     def simplify(self):
         for name in self.files:
