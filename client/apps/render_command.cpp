@@ -123,6 +123,9 @@ class Painter {
     options.draw = options_.draw;
     options.style = options_.style;
     options.widthPx = options_.widthPx;
+    options.widthModelUnits = options_.widthModelUnits;
+    options.widthFalloff = options_.widthFalloff;
+    options.brush = options_.brush;
     options.hidden = options_.hidden;
     return renderer_->render(snapshot, lines, camera, options);
   }

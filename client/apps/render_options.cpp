@@ -44,21 +44,46 @@ std::optional<Number> parseNumber(std::string_view text) {
   return value;
 }
 
-bool contains(std::initializer_list<std::string_view> list, std::string_view item) {
-  return std::find(list.begin(), list.end(), item) != list.end();
-}
-
 /// Flags as the command line has them, before they are understood.
 struct RawFlags {
   std::string camera, size, until, draw = "strokes", detector = "exact", silhouette = "smooth";
   std::string features = "crease,border,seam", hidden = "style", gl = "egl", path, brush = "none";
   std::string assets, out, svg, light;
-  std::optional<double> fov, width;
+  std::string widthUnits = "px";
+  std::optional<double> fov, width, brushAmplitude, brushFrequency;
+  double widthFalloff = 0.0;
+  std::uint32_t brushSeed = 1;
 };
 
 /// Flags of commands whose feature is not there yet: known, so that the answer is a clear one.
 constexpr std::array<const char*, 6> kLaterFlags =
     {"--hull-faces", "--contours", "--memory", "--dump-hull", "--dump-inner-hull", "--plot"};
+
+Result<void> understandStrokes(const RawFlags& raw, RenderCommandOptions& options) {
+  const auto kind = parseBrushKind(raw.brush);
+  if (!kind) return tl::unexpected(kind.error().within("--brush"));
+  options.brush = usualBrush(*kind);
+  if (raw.brushAmplitude) options.brush.amplitudePx = static_cast<float>(*raw.brushAmplitude);
+  if (raw.brushFrequency) {
+    options.brush.wavelengthPx = static_cast<float>(100.0 / *raw.brushFrequency);
+  }
+  options.brush.seed = raw.brushSeed;
+  options.widthFalloff = raw.widthFalloff;
+  if (raw.widthUnits == "model") {
+    if (!raw.width) return wrong("--width-units model needs --width, in the model's units");
+    if (!(*raw.width > 0.0)) return wrong("--width is a stroke's width, above 0");
+    options.widthModelUnits = raw.width;
+    return {};
+  }
+  if (raw.widthUnits != "px") {
+    return wrong("--width-units " + raw.widthUnits + " is unknown: write px or model");
+  }
+  if (raw.width && !(*raw.width > 0.0 && *raw.width <= 200.0)) {
+    return wrong("--width is a stroke's width in pixels, above 0 and up to 200");
+  }
+  options.widthPx = raw.width;
+  return {};
+}
 
 Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& options) {
   if (raw.draw == "shaded") {
@@ -89,11 +114,7 @@ Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& option
     if (!light) return tl::unexpected(light.error());
     options.light = *light;
   }
-  if (raw.brush != "none") {
-    if (contains({"charcoal", "lazy", "hand", "rough"}, raw.brush))
-      return later("--brush " + raw.brush);
-    return wrong("--brush " + raw.brush + " is unknown: write none");
-  }
+  if (auto ok = understandStrokes(raw, options); !ok) return ok;
   const auto features = parseFeatures(raw.features);
   if (!features) return tl::unexpected(features.error());
   options.features = *features;
@@ -103,10 +124,6 @@ Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& option
   const auto gl = parseGlBackend(raw.gl);
   if (!gl) return tl::unexpected(gl.error());
   options.gl = *gl;
-  if (raw.width && !(*raw.width > 0.0 && *raw.width <= 200.0)) {
-    return wrong("--width is a stroke's width in pixels, above 0 and up to 200");
-  }
-  options.widthPx = raw.width;
   if (!raw.assets.empty()) options.assets = raw.assets;
   return {};
 }
@@ -223,8 +240,19 @@ void addRender(
   app.add_option("--light", raw.light, "X,Y,Z: silhouettes as a light there sees them");
   app.add_option("--features", raw.features, "crease,border,seam or none");
   app.add_option("--style", o.style, "Texture set (pencil)");
-  app.add_option("--brush", raw.brush, "none");
+  app.add_option("--brush", raw.brush, "none|charcoal|lazy|hand|rough");
+  app.add_option("--brush-amplitude", raw.brushAmplitude, "How far it leads off the line, pixels")
+      ->check(CLI::Range(0.0, 100.0));
+  app.add_option("--brush-frequency", raw.brushFrequency, "Its waves in 100 pixels")
+      ->check(CLI::Range(0.1, 100.0));
+  app.add_option("--brush-seed", raw.brushSeed, "Of its noise (1)");
   app.add_option("--width", raw.width, "Stroke width, pixels");
+  app.add_option("--width-units", raw.widthUnits, "px|model: of --width");
+  app.add_option(
+         "--width-falloff",
+         raw.widthFalloff,
+         "Strokes thin out with distance: 0 not (the default), 1 as the model does")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_option("--hidden", raw.hidden, "style|off|as-visible");
   app.add_option("--gl", raw.gl, "egl|osmesa");
   app.add_option("--assets", raw.assets, "Folder of texture sets");

@@ -57,6 +57,9 @@ struct RenderCommandOptions {
   FeatureChoice features;
   std::string style = "pencil";
   std::optional<double> widthPx;
+  std::optional<double> widthModelUnits;
+  double widthFalloff = 0.0;
+  Brush brush;
   HiddenLines hidden = HiddenLines::kStyle;
   GlBackend gl = GlBackend::kEgl;
   std::optional<std::filesystem::path> assets;

@@ -276,11 +276,17 @@ Result<Frame> Renderer::Impl::render(
         snapshot.model.grid,
         camera,
         viewport};
+    const float widthPx =
+        options.widthModelUnits
+            ? std::clamp(widthInPixels(*options.widthModelUnits, camera, viewport), 0.1F, 256.0F)
+            : static_cast<float>(options.widthPx.value_or(style.widthPx));
     const BuiltStrokes strokes = strokeBuilder.build(
         lines,
         scene,
         style,
-        {.widthPx = static_cast<float>(options.widthPx.value_or(style.widthPx)),
+        {.widthPx = widthPx,
+         .widthFalloff = options.widthModelUnits ? 1.0F : static_cast<float>(options.widthFalloff),
+         .brush = options.brush,
          .samples = {.spacingPx = 1.0F, .maxSamples = StrokePass::kMaxSamples}});
     frame.timings.strokeMs = millisecondsSince(start);
 

@@ -4,6 +4,7 @@
 #include "client/core/snapshot.h"
 #include "client/render/gl_context.h"
 #include "client/render/image.h"
+#include "client/stroke/brush.h"
 #include "client/stroke/depth_image.h"
 #include "client/stroke/polyline.h"
 
@@ -34,8 +35,11 @@ enum class HiddenLines { kStyle, kOff, kAsVisible };
 struct RenderOptions {
   Viewport viewport;
   DrawMode draw = DrawMode::kStrokes;
-  std::string style = "pencil";   // a texture set: client/assets/NAME/style.toml
-  std::optional<double> widthPx;  // stroke width; the style's own when unset
+  std::string style = "pencil";           // a texture set: client/assets/NAME/style.toml
+  std::optional<double> widthPx;          // stroke width; the style's own when unset
+  std::optional<double> widthModelUnits;  // instead: goes with distance as the model does
+  double widthFalloff = 0.0;  // of a width in pixels: 0 the same everywhere, 1 as the model
+  Brush brush;                // leads strokes off their lines
   HiddenLines hidden = HiddenLines::kStyle;
   std::optional<glm::vec3> paper;  // background, sRGB 0 … 1; the style's own when unset
   int supersample = 2;             // lines are drawn this many times larger and reduced; 1 to 4

@@ -8,6 +8,8 @@
 // picture stays still.
 #include "client/stroke/coherent_parameters.h"
 
+#include "client/stroke/view_distance.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -33,24 +35,6 @@ glm::dmat4 clipFromGridOf(const LineScene& scene) {
   glm::dmat4 clipFromGrid = clipFromWorld * scene.grid.step;
   clipFromGrid[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
   return clipFromGrid;
-}
-
-/// Distance along the view of a window depth, model units.
-float distanceOf(const Camera& camera, float depth) {
-  const double n = camera.nearPlane;
-  const double f = camera.farPlane;
-  if (camera.orthographic) return static_cast<float>(n + depth * (f - n));
-  return static_cast<float>(n * f / std::max(f - depth * (f - n), 1e-12));
-}
-
-/// Pixels that a model unit takes in the picture at a distance.
-float pxPerUnitAt(const LineScene& scene, float distance) {
-  const Camera& camera = scene.camera;
-  const double reference = camera.orthographic ? glm::distance(camera.eye, camera.target)
-                                               : static_cast<double>(distance);
-  return static_cast<float>(
-      0.5 * scene.viewport.height /
-      (std::tan(0.5 * glm::radians(camera.fovDegrees)) * std::max(reference, 1e-9)));
 }
 
 float wrapped(float value, float period) {
@@ -145,7 +129,7 @@ void CoherentParameters::look(const LineScene& scene) {
     }
     const glm::dvec3 pixel = pixelFromClip(clip, scene.viewport);
     Seen seen{glm::vec2(pixel), glm::vec2(0.0F), 0.0F, mark.parameter};
-    seen.distance = distanceOf(scene.camera, static_cast<float>(pixel.z));
+    seen.distance = viewDistance(scene.camera, static_cast<float>(pixel.z));
     if (before != kNone) {
       const glm::vec2 step = seen.point - seen_[before].point;
       const float size = glm::length(step);
@@ -183,8 +167,10 @@ void CoherentParameters::vote(
   Walker walker(spines, arcs, spine);
   const std::uint32_t steps = walker.steps();
   const float length = arcs.length[spine];
-  const float unit =
-      pxPerUnitAt(scene, distanceOf(scene.camera, spines.depth[spines.spines[spine].begin]));
+  const float unit = pixelsPerUnit(
+      scene.camera,
+      scene.viewport,
+      viewDistance(scene.camera, spines.depth[spines.spines[spine].begin]));
   for (std::uint32_t k = 0; k <= steps; ++k) {
     const float arc = length * static_cast<float>(k) / static_cast<float>(steps);
     const Walker::Place place = walker.at(arc);
@@ -193,7 +179,7 @@ void CoherentParameters::vote(
     const float size = glm::length(step);
     if (!(size > 1e-6F)) continue;
     const glm::vec2 along = step / size;
-    const float distance = distanceOf(
+    const float distance = viewDistance(
         scene.camera,
         glm::mix(spines.depth[place.from], spines.depth[place.to], place.t));
     float best = kReachPx * kReachPx;

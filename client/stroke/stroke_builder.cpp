@@ -1,7 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/stroke_builder.h"
 
+#include "client/stroke/view_distance.h"
+
+#include <algorithm>
+#include <cmath>
+
 namespace limn {
+namespace {
+
+/// Strokes grow and shrink with distance by no more than this.
+constexpr float kLargestGrowth = 4.0F;
+
+}  // namespace
+
+float widthInPixels(double modelUnits, const Camera& camera, const Viewport& viewport) {
+  const double distance = glm::distance(camera.eye, camera.target);
+  return static_cast<float>(modelUnits * pixelsPerUnit(camera, viewport, distance));
+}
 
 BuiltStrokes StrokeBuilder::build(
     const PolylineSet& lines,
@@ -16,8 +32,25 @@ BuiltStrokes StrokeBuilder::build(
   sampleSpines(spines_, arcs_, lines, scene, options.samples, samples_);
   const float period = texturePeriod(style, options.widthPx);
   coherence_.assign(spines_, arcs_, lines, scene, period, parameters_);
-  tessellate({spines_, arcs_, fades_, samples_, parameters_}, style, options.widthPx, mesh_);
+  findWidths(scene.camera, options.widthFalloff);
+  tessellate(
+      {spines_, arcs_, fades_, samples_, parameters_, widths_},
+      style,
+      options.widthPx,
+      options.brush,
+      mesh_);
   return {samples_, mesh_, spines_, parameters_};
+}
+
+void StrokeBuilder::findWidths(const Camera& camera, float falloff) {
+  widths_.clear();
+  if (!(falloff > 0.0F) || camera.orthographic) return;
+  const auto reference = static_cast<float>(glm::distance(camera.eye, camera.target));
+  for (const float depth : spines_.depth) {
+    const float nearness = reference / std::max(viewDistance(camera, depth), 1e-9F);
+    widths_.push_back(
+        std::clamp(std::pow(nearness, falloff), 1.0F / kLargestGrowth, kLargestGrowth));
+  }
 }
 
 }  // namespace limn

@@ -16,10 +16,17 @@
 namespace limn {
 
 struct StrokeBuildOptions {
-  float widthPx = 2.5F;   // of the ink
+  float widthPx = 2.5F;  // of the ink; with falloff: at the camera's target
+  float widthFalloff =
+      0.0F;  // width goes with distance to the power of −this: 0 never, 1 as the model
+  Brush brush{};
   float mergePx = 0.35F;  // spine points closer than this are one
   SampleOptions samples{};
 };
+
+/// The pixels that a width in model units takes at the camera's target.
+[[nodiscard]] float
+widthInPixels(double modelUnits, const Camera& camera, const Viewport& viewport);
 
 /// What a frame's lines become for the GPU: strips, and the samples that say where they are hidden.
 struct BuiltStrokes {
@@ -43,12 +50,15 @@ class StrokeBuilder {
       const StrokeBuildOptions& options);
 
  private:
+  void findWidths(const Camera& camera, float falloff);
+
   SpineProjector projector_;
   SpineSet spines_;
   std::vector<LineFade> fades_;
   SpineArcs arcs_;
   SpineSamples samples_;
   SpineParameters parameters_;
+  std::vector<float> widths_;
   CoherentParameters coherence_;
   StrokeMesh mesh_;
 };

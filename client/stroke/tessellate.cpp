@@ -78,17 +78,23 @@ class Sleeve {
 /// Builds the strip of one spine at a time.
 class StripBuilder {
  public:
-  StripBuilder(const StrokeSpines& in, const StrokeStyle& style, float widthPx, StrokeMesh& out)
+  StripBuilder(
+      const StrokeSpines& in,
+      const StrokeStyle& style,
+      float widthPx,
+      const Brush& brush,
+      StrokeMesh& out)
       : in_(in),
         style_(style),
         widthPx_(widthPx),
+        brush_(brush),
+        period_(texturePeriod(style, widthPx)),
         out_(out) {
-    const float period = texturePeriod(style, widthPx);
     const float visible = std::max(style.visible.lengthPx, 1.0F);
     const float hidden = std::max(style.hidden.lengthPx, 1.0F);
     const float longer = std::max(visible, hidden);
-    visiblePerPx_ = std::max(1.0F, std::round(longer / visible)) / period;
-    hiddenPerPx_ = std::max(1.0F, std::round(longer / hidden)) / period;
+    visiblePerPx_ = std::max(1.0F, std::round(longer / visible)) / period_;
+    hiddenPerPx_ = std::max(1.0F, std::round(longer / hidden)) / period_;
   }
 
   void build(std::uint32_t index) {
@@ -103,7 +109,9 @@ class StripBuilder {
     fullHalfWidth_ = 0.5F * ink / style_.body;
     sampleBegin_ = static_cast<float>(in_.samples.begin[index]);
     samplePerPx_ = in_.samples.perPx[index];
+    closingParameter_ = in_.parameters.to[spine.end - 1];
     collectStations(spine);
+    if (brush_.kind != BrushKind::kPlain) leadOff(spine.closed);
     emit(spine);
   }
 
@@ -140,12 +148,13 @@ class StripBuilder {
     // The cap and the taper need stations of their own, whatever the spacing of the spine.
     const float shaped = std::max(
         {style_.taperPx, 2.0F * fullHalfWidth_ * (style_.pool > 0.0F ? 2.0F : 1.0F), extra});
-    const auto add = [&](const glm::vec2& point, float arc, float parameter) {
+    const auto add = [&](const glm::vec2& point, float arc, float parameter, float width) {
       float fromEnd = 1e9F;
       if (before > 0.0F) fromEnd = std::min(fromEnd, arc + before);
       if (after > 0.0F) fromEnd = std::min(fromEnd, length_ + after - arc);
       const bool isShaped = fromEnd < 2.0F * shaped;
-      stations_.push_back({point, arc, parameter, isShaped ? profile(fromEnd) : fullHalfWidth_});
+      stations_.push_back(
+          {point, arc, parameter, width * (isShaped ? profile(fromEnd) : fullHalfWidth_)});
     };
     const std::array<float, 5> steps = {0.0F, 0.06F * radius, 0.2F * radius, 0.5F * radius, radius};
     if (before > 0.0F) {
@@ -154,7 +163,10 @@ class StripBuilder {
       const float start = in_.parameters.from[spine.begin];
       for (const float step : steps) {
         if (step < before)
-          add(a - direction * (before - step), step - before, start + step - before);
+          add(a - direction * (before - step),
+              step - before,
+              start + step - before,
+              widthAt(spine.begin));
       }
     }
     addInner(spine, before > 0.0F ? shaped : 0.0F, after > 0.0F ? shaped : 0.0F, add);
@@ -164,8 +176,52 @@ class StripBuilder {
       const float end = in_.parameters.to[spine.end - 2];
       for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
         if (*step < after)
-          add(b + direction * (after - *step), length_ + after - *step, end + after - *step);
+          add(b + direction * (after - *step),
+              length_ + after - *step,
+              end + after - *step,
+              widthAt(spine.end - 1));
       }
+    }
+  }
+
+  [[nodiscard]] float widthAt(std::uint32_t point) const {
+    return in_.widths.empty() ? 1.0F : in_.widths[point];
+  }
+
+  /// Moves the strip off its spine by the brush, with stations as close as that takes.
+  void leadOff(bool closed) {
+    const float step = std::clamp(brush_.wavelengthPx / 8.0F, 0.6F, 3.0F);
+    refined_.clear();
+    const std::size_t count = stations_.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const Station& a = stations_[i];
+      refined_.push_back(a);
+      if (i + 1 == count && !closed) break;
+      Station b = stations_[i + 1 < count ? i + 1 : 0];
+      if (i + 1 == count) {
+        b.arc = length_;
+        b.parameter = closingParameter_;
+      }
+      const auto parts = static_cast<int>(std::ceil((b.arc - a.arc) / step));
+      for (int k = 1; k < parts; ++k) {
+        const float t = static_cast<float>(k) / static_cast<float>(parts);
+        refined_.push_back(
+            {glm::mix(a.point, b.point, t),
+             glm::mix(a.arc, b.arc, t),
+             glm::mix(a.parameter, b.parameter, t),
+             glm::mix(a.halfWidth, b.halfWidth, t)});
+      }
+    }
+    stations_.resize(refined_.size());
+    const std::size_t size = refined_.size();
+    for (std::size_t i = 0; i < size; ++i) {
+      const Station& at = refined_[i];
+      const std::size_t before = i > 0 ? i - 1 : (closed ? size - 1 : 0);
+      const std::size_t after = i + 1 < size ? i + 1 : (closed ? 0 : size - 1);
+      const glm::vec2 along = directionFrom(refined_[before].point, refined_[after].point);
+      const glm::vec2 offset = brushOffset(brush_, at.parameter, period_);
+      stations_[i] = at;
+      stations_[i].point += offset.x * along + offset.y * leftOf(along);
     }
   }
 
@@ -185,7 +241,7 @@ class StripBuilder {
     const std::uint32_t last = spine.end - 1;
     const auto pointAt = [&](std::uint32_t i) { return points[i < spine.end ? i : spine.begin]; };
     const auto arcAt = [&](std::uint32_t i) { return i < spine.end ? arcs[i] : length_; };
-    add(points[spine.begin], 0.0F, from[spine.begin]);
+    add(points[spine.begin], 0.0F, from[spine.begin], widthAt(spine.begin));
     Sleeve sleeve;
     std::uint32_t anchor = spine.begin;
     // One past the last point: the end of a closed line's last segment, which emit() adds.
@@ -213,13 +269,15 @@ class StripBuilder {
           if (!(cut > stations_.back().arc) || !(t > 0.0F && t < 1.0F)) continue;
           add(glm::mix(points[anchor], pointAt(next), t),
               cut,
-              glm::mix(from[anchor], parameterEnd, t));
+              glm::mix(from[anchor], parameterEnd, t),
+              glm::mix(widthAt(anchor), widthAt(next < spine.end ? next : spine.begin), t));
         }
       }
       if (next < spine.end) {
-        add(points[next], end, parameterEnd);
+        add(points[next], end, parameterEnd, widthAt(next));
         // A seam: two stations at one place.
-        if (next < last && from[next] != parameterEnd) add(points[next], end, from[next]);
+        if (next < last && from[next] != parameterEnd)
+          add(points[next], end, from[next], widthAt(next));
       }
       anchor = next;
     }
@@ -301,7 +359,7 @@ class StripBuilder {
       Station at = stations_[i < count ? i : 0];
       if (i == count) {  // a loop's end is its start, one lap on
         at.arc = length_;
-        at.parameter = in_.parameters.to[spine.end - 1];
+        at.parameter = closingParameter_;
       }
       const bool hasIn = closed || i > 0;
       const bool hasOut = closed || i < segments;
@@ -327,13 +385,17 @@ class StripBuilder {
   const StrokeSpines& in_;
   const StrokeStyle& style_;
   float widthPx_;
+  const Brush& brush_;
+  float period_;
   StrokeMesh& out_;
   std::vector<Station> stations_;
+  std::vector<Station> refined_;
   std::vector<glm::vec2> directions_;
   float visiblePerPx_ = 0.0F;
   float hiddenPerPx_ = 0.0F;
   // Of the spine being built.
   float length_ = 0.0F;
+  float closingParameter_ = 0.0F;
   float fullHalfWidth_ = 0.0F;
   float sampleBegin_ = 0.0F;
   float samplePerPx_ = 0.0F;
@@ -352,12 +414,13 @@ void tessellate(
     const StrokeSpines& strokes,
     const StrokeStyle& style,
     float widthPx,
+    const Brush& brush,
     StrokeMesh& out) {
   out.vertices.clear();
   out.indices.clear();
   out.vertices.reserve(strokes.spines.points.size());
   out.indices.reserve(3 * strokes.spines.points.size());
-  StripBuilder builder(strokes, style, widthPx, out);
+  StripBuilder builder(strokes, style, widthPx, brush, out);
   for (std::uint32_t i = 0; i < strokes.spines.spines.size(); ++i)
     builder.build(i);
 }

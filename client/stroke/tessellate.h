@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/brush.h"
 #include "client/stroke/line_fade.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
@@ -41,6 +42,7 @@ struct StrokeSpines {
   std::span<const LineFade> fades;
   const SpineSamples& samples;
   const SpineParameters& parameters;
+  std::span<const float> widths = {};  // by spine point, a factor on the stroke's width; empty: 1
 };
 
 /// One repeat of the style's textures, in pixels of parameter, for an ink of widthPx: the longer of
@@ -50,12 +52,14 @@ struct StrokeSpines {
 /// Turns spines into strips. Points that a straight strip passes within a fraction of a pixel are
 /// left out. Neighbouring segments share their corner vertices (a mitre); where the line turns too
 /// sharply for that, the segments end square and a fan closes the outer side. Strips may overlap
-/// there, so they are to be drawn with "maximum" blending. widthPx: of the ink.
+/// there, so they are to be drawn with "maximum" blending. A brush leads the strip off its spine;
+/// it keeps the spine's visibility. widthPx: of the ink.
 /// `out` is filled anew; its memory is used again. Cost: O(points).
 void tessellate(
     const StrokeSpines& strokes,
     const StrokeStyle& style,
     float widthPx,
+    const Brush& brush,
     StrokeMesh& out);
 
 }  // namespace limn

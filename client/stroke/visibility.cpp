@@ -3,9 +3,9 @@
 // §3.4: the depth texture is asked at the spine and its eight neighbours, and the whole width of a
 // stroke shares the answer.
 // Deviations: of a silhouette only the neighbours on its outward side are asked, since those on the
-// other see its own surface rise towards the eye; two of them must be free, since a single one may be
-// past the outline of a surface just before the line; concave silhouettes are hidden by rule; the
-// bias follows the slope of the surface; answers are filtered along the spine.
+// other see its own surface rise towards the eye; two of them must be free, since a single one may
+// be past the outline of a surface just before the line; concave silhouettes are hidden by rule;
+// the bias follows the slope of the surface; answers are filtered along the spine.
 #include "client/stroke/visibility.h"
 
 #include <algorithm>

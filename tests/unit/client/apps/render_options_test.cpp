@@ -31,7 +31,8 @@ TEST(RenderOptions, UnderstandsEveryFlag) {
       "--size 640x480 --until bytes:5000 --error-px 2 --draw shaded --detector precomputed "
       "--silhouette edges --features crease,seam --style ink --width 2.5 --hidden off --gl osmesa "
       "--frames 3 --out a.png --report r.json --dump-mesh m.ply --dump-lines l.json --check "
-      "--reference ref --brush none");
+      "--reference ref --brush lazy --brush-amplitude 7 --brush-frequency 2 --brush-seed 9 "
+      "--width-falloff 0.5");
   ASSERT_TRUE(line) << line.error().message;
   ASSERT_TRUE(line->render);
   const RenderCommandOptions& o = *line->render;
@@ -52,6 +53,11 @@ TEST(RenderOptions, UnderstandsEveryFlag) {
   EXPECT_TRUE(o.features.crease && o.features.seam && !o.features.border);
   EXPECT_EQ(o.style, "ink");
   EXPECT_EQ(*o.widthPx, 2.5);
+  EXPECT_EQ(o.widthFalloff, 0.5);
+  EXPECT_EQ(o.brush.kind, BrushKind::kLazy);
+  EXPECT_EQ(o.brush.amplitudePx, 7.0F);
+  EXPECT_EQ(o.brush.wavelengthPx, 50.0F);
+  EXPECT_EQ(o.brush.seed, 9U);
   EXPECT_EQ(o.hidden, HiddenLines::kOff);
   EXPECT_EQ(o.gl, GlBackend::kOsmesa);
   EXPECT_EQ(o.frames, 3U);
@@ -133,6 +139,10 @@ TEST(RenderOptions, WrongUsageGetsOneLine) {
         "render --asset a --out x.png --hidden maybe",
         "render --asset a --out x.png --gl vulkan",
         "render --asset a --out x.png --width -1",
+        "render --asset a --out x.png --width-units miles",
+        "render --asset a --out x.png --width-units model",
+        "render --asset a --out x.png --width-falloff 3",
+        "render --asset a --out x.png --brush-frequency 0",
         "render --asset a --out x.png --brush broom",
         "render --asset a --out x.png --frames 0",
         "render --asset a --out x.png --path spiral",
@@ -155,7 +165,6 @@ TEST(RenderOptions, WhatComesLaterIsSaidSo) {
         "render --asset a --out x.png --draw clip",
         "render --asset a --out x.png --draw image-precision:charcoal",
         "render --asset a --out x.png --detector image",
-        "render --asset a --out x.png --brush charcoal",
         "render --asset a --out x.png --hull-faces 500"}) {
     const auto parsed = parse(line);
     ASSERT_FALSE(parsed) << line;

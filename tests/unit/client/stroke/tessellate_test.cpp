@@ -58,13 +58,13 @@ StrokeStyle plainStyle() {
   return style;
 }
 
-StrokeMesh strokes(const Drawn& d, const StrokeStyle& style) {
+StrokeMesh strokes(const Drawn& d, const StrokeStyle& style, const Brush& brush = {}) {
   std::vector<LineFade> fades;
   fadeLines(d.spines, style, fades);
   SpineParameters parameters;
   freshParameters(d.spines, d.arcs, d.lines, texturePeriod(style, style.widthPx), parameters);
   StrokeMesh mesh;
-  tessellate({d.spines, d.arcs, fades, d.samples, parameters}, style, style.widthPx, mesh);
+  tessellate({d.spines, d.arcs, fades, d.samples, parameters}, style, style.widthPx, brush, mesh);
   return mesh;
 }
 
@@ -215,6 +215,37 @@ TEST(Tessellate, OpenEndsTaperAndCutEndsDoNot) {
   EXPECT_TRUE(covers(strokes(d, style), {60.0F, 12.5F}));
   d.spines.spines[0].freeStart = false;
   EXPECT_TRUE(covers(strokes(d, style), {10.5F, 12.5F}));
+}
+
+TEST(Tessellate, ABrushLeadsTheStripOffItsLineAndKeepsItWhole) {
+  for (const BrushKind kind :
+       {BrushKind::kCharcoal, BrushKind::kLazy, BrushKind::kHand, BrushKind::kRough}) {
+    for (const bool closed : {false, true}) {
+      const Drawn d =
+          closed ? drawn(circle(60.0F, 90), true) : drawn({{20, 20}, {220, 20}, {220, 160}}, false);
+      Brush brush = usualBrush(kind);
+      brush.amplitudePx = std::min(brush.amplitudePx, 4.0F);
+      const StrokeMesh plain = strokes(d, plainStyle());
+      const StrokeMesh led = strokes(d, plainStyle(), brush);
+      EXPECT_GT(led.vertices.size(), plain.vertices.size());
+      for (const StrokeVertex& v : led.vertices)
+        ASSERT_TRUE(std::isfinite(v.position.x) && std::isfinite(v.position.y));
+      // One ribbon: each pair of neighbouring triangles meets.
+      for (std::size_t i = 3; i < led.indices.size(); i += 3) {
+        float nearest = 1e9F;
+        for (int a = 0; a < 3; ++a) {
+          for (int b = 0; b < 3; ++b) {
+            nearest = std::min(
+                nearest,
+                glm::distance(
+                    led.vertices[led.indices[i + a]].position,
+                    led.vertices[led.indices[i - 3 + b]].position));
+          }
+        }
+        ASSERT_LT(nearest, 7.0F);
+      }
+    }
+  }
 }
 
 /// Two spines: a loop of this radius, and a line far longer.
