@@ -70,47 +70,54 @@ inline std::size_t step(std::int32_t value, std::int32_t least, std::int32_t siz
 /// Every cut of the ring that opens both sides, by start and then length, with its odds.
 struct CutOdds {
   std::uint32_t count = 0;
-  std::uint32_t total = 0;  // sum of the odds
+  std::uint32_t padded = 0;  // `count` and some that have no odds: a multiple of 8
+  std::uint32_t total = 0;   // sum of the odds
   /// Odds (1 to 32,768) << 11 + what the index lacks to 2047, so that the largest number is the
   /// likeliest cut, the first of equals.
-  std::array<std::uint32_t, kMaxCuts> odds;
+  std::array<std::int32_t, kMaxCuts> odds;
   std::array<std::uint8_t, kMaxCuts> left;
   std::array<std::uint8_t, kMaxCuts> right;
 };
 
 inline void findCutOdds(const Neighbourhood& n, CutOdds& result) {
   namespace f = cut_factors;
-  std::array<Wide, kMaxRing> w;
+  std::array<Wide, kMaxRing + 1> w;
   std::int64_t largest = 0;
-  for (std::uint32_t i = 0; i < n.size; ++i)
-    largest = std::max(largest, maxNorm(Wide(n.ring[i])));
+  for (std::uint32_t i = 0; i < n.size; ++i) {
+    w[i] = Wide(n.ring[i]);
+    largest = std::max(largest, maxNorm(w[i]));
+  }
   const int excess = excessBits(largest, 14);
   std::array<std::int32_t, kMaxRing> reach;  // log8 of the squared distance from u
   std::int32_t mean = 0;
   for (std::uint32_t i = 0; i < n.size; ++i) {
-    w[i] = shifted(Wide(n.ring[i]), excess);
+    w[i] = shifted(w[i], excess);
     reach[i] = log8(static_cast<std::uint64_t>(dot(w[i], w[i])));
     mean += reach[i];
   }
+  w[n.size] = w[0];
   mean /= static_cast<std::int32_t>(n.size);
-  std::array<std::int32_t, kMaxRing> end;
-  std::array<std::int32_t, kMaxRing> inner;
+  // Twice around, so that a fan is a range: what a vertex as an end and the ones inside count for,
+  // and the angle of each ring edge as seen from u, in 128ths of π.
+  std::array<std::int32_t, 2 * kMaxRing> end;
+  std::array<std::int32_t, 2 * kMaxRing> inner;
+  std::array<std::int32_t, 2 * kMaxRing> angle;
   for (std::uint32_t i = 0; i < n.size; ++i) {
     const std::size_t step = f::step(reach[i] - mean, -32, 3);
-    end[i] = f::kEnd[step];
-    inner[i] = f::kInner[step];
-  }
-  std::array<std::int32_t, kMaxRing> angle;  // of ring edge i as seen from u, 128ths of π
-  for (std::uint32_t i = 0; i < n.edges(); ++i) {
-    const Wide& a = w[i];
-    const Wide& b = w[n.wrap(i + 1)];
-    const Wide area = cross(a, b);
-    const std::int64_t along = dot(a, b);
+    end[i] = end[i + n.size] = f::kEnd[step];
+    inner[i] = inner[i + n.size] = f::kInner[step];
+    const Wide area = cross(w[i], w[i + 1]);
+    const std::int64_t along = dot(w[i], w[i + 1]);
     const std::int32_t tangent = log8(static_cast<std::uint64_t>(dot(area, area))) -
                                  2 * log8(static_cast<std::uint64_t>(std::abs(along)));
     const std::int32_t acute =
         f::kArcTangent[static_cast<std::size_t>((std::clamp(tangent, -64, 64) + 64) / 2)];
-    angle[i] = along >= 0 ? acute : 128 - acute;
+    angle[i] = angle[i + n.size] = along >= 0 ? acute : 128 - acute;
+  }
+  std::array<std::int32_t, kMaxFanEdges + 1> shape;  // what the length counts for
+  for (std::uint32_t length = 1; length <= std::min(n.size, kMaxFanEdges); ++length) {
+    shape[length] =
+        f::kLength[std::min(length, 15U)] + f::kValence[std::min(n.size + 2 - length, 15U)];
   }
 
   std::array<std::int32_t, kMaxCuts> scores;
@@ -120,17 +127,15 @@ inline void findCutOdds(const Neighbourhood& n, CutOdds& result) {
     const std::uint32_t most = std::min(n.isPath ? n.size - 1 - s : n.size - 1, kMaxFanEdges);
     std::int32_t inside = end[s];
     std::int32_t span = 0;
-    std::uint32_t at = s;
     for (std::uint32_t length = 1; length <= most; ++length) {
-      if (length > 1) inside += inner[at];
-      span += angle[at];
-      at = n.wrap(at + 1);
-      const std::int32_t score = inside + end[at] + f::kLength[std::min(length, 15U)] +
-                                 f::kValence[std::min(n.size + 2 - length, 15U)] +
-                                 f::kAngle[f::step(span, 0, 8)];
+      const std::uint32_t at = s + length;
+      span += angle[at - 1];
+      const std::int32_t score = inside + end[at] + shape[length] +
+                                 f::kAngle[static_cast<std::size_t>(std::min(span / 8, 23))];
+      inside += inner[at];
       scores[count] = score;
       result.left[count] = static_cast<std::uint8_t>(s);
-      result.right[count++] = static_cast<std::uint8_t>(at);
+      result.right[count++] = static_cast<std::uint8_t>(n.wrap(at));
       best = std::max(best, score);
     }
   }
@@ -140,9 +145,11 @@ inline void findCutOdds(const Neighbourhood& n, CutOdds& result) {
     const auto below = static_cast<std::uint32_t>(best - scores[i]);
     const std::uint32_t odds =
         below >= 240 ? 1U : std::uint32_t{f::kPowers[below & 15]} >> (below >> 4);
-    result.odds[i] = odds << 11 | (2047 - i);
+    result.odds[i] = static_cast<std::int32_t>(odds << 11 | (2047 - i));
     result.total += odds;
   }
+  result.padded = (count + 7) / 8 * 8;
+  std::fill(result.odds.begin() + count, result.odds.begin() + result.padded, 0);
 }
 
 }  // namespace limn::split_syntax

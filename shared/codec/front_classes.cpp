@@ -39,28 +39,28 @@ Result<std::vector<std::uint8_t>> frontClasses(const ActiveMesh& mesh, std::uint
   const auto begin = mesh.levelBegin();
   const VertexId count = begin[level];
   const auto ids = mesh.ids();
-  const auto held = std::ranges::count_if(ids, [count](VertexId v) { return v < count; });
-  if (static_cast<VertexId>(held) != count) {
+  const auto positions = mesh.positions();
+  // By slot: where a vertex of this level or finer came from. Putting those back leaves the faces
+  // of the mesh before this level, and degenerate ones.
+  std::vector<Slot> origins(ids.size());
+  VertexId held = 0;
+  for (Slot slot = 0; slot < origins.size(); ++slot) {
+    Slot origin = slot;
+    while (ids[origin] >= count)
+      origin = mesh.slotOf(mesh.parentOf(ids[origin]));
+    origins[slot] = origin;
+    held += origin == slot ? 1 : 0;
+  }
+  if (held != count) {
     return fail(ErrorCode::kCorrupt, "a level run came before all of the levels that it stands on");
   }
-  // Putting vertices of this level and finer back where they came from leaves the faces of the mesh
-  // before it, and degenerate ones.
-  std::vector<VertexId> ancestors(ids.begin(), ids.end());  // by slot
-  for (VertexId& v : ancestors) {
-    while (v >= count)
-      v = mesh.parentOf(v);
-  }
-  const auto triangles = mesh.mesh().triangles();
-  std::vector<glm::uvec3> faces;
-  faces.reserve(triangles.size());
-  for (const glm::uvec3& t : triangles) {
-    const glm::uvec3 face(ancestors[t.x], ancestors[t.y], ancestors[t.z]);
-    if (face.x != face.y && face.y != face.z && face.z != face.x) faces.push_back(face);
-  }
-  std::vector<Wide> positions(count);
-  for (std::size_t slot = 0; slot < ids.size(); ++slot) {
-    if (ids[slot] < count) positions[ids[slot]] = Wide(mesh.positions()[slot]);
-  }
+  const auto faces = mesh.mesh().triangles();
+  const auto forEachFace = [&](const auto& take) {
+    for (const glm::uvec3& t : faces) {
+      const glm::uvec3 face(origins[t.x], origins[t.y], origins[t.z]);
+      if (face.x != face.y && face.y != face.z && face.z != face.x) take(face);
+    }
+  };
 
   struct Star {
     std::int64_t area = 0;
@@ -68,35 +68,33 @@ Result<std::vector<std::uint8_t>> frontClasses(const ActiveMesh& mesh, std::uint
     std::int32_t around = 0;  // log8 of the areas around, each face's two other corners
   };
 
-  std::vector<Star> stars(count);
-  for (const glm::uvec3& t : faces) {
-    const Wide& a = positions[t.x];
-    const std::int64_t area = sumNorm(cross(positions[t.y] - a, positions[t.z] - a));
+  std::vector<Star> stars(origins.size());
+  forEachFace([&](const glm::uvec3& t) {
+    const glm::ivec3& a = positions[t.x];
+    const std::int64_t area = sumNorm(cross(Wide(positions[t.y] - a), Wide(positions[t.z] - a)));
     for (int k = 0; k < 3; ++k)
       stars[t[k]].area += area;
-  }
-  std::vector<std::int32_t> areas(count);
-  for (VertexId v = 0; v < count; ++v)
-    areas[v] = log8(static_cast<std::uint64_t>(stars[v].area));
-  for (const glm::uvec3& t : faces) {
+  });
+  std::vector<std::int32_t> areas(origins.size());
+  for (Slot slot = 0; slot < areas.size(); ++slot)
+    areas[slot] = log8(static_cast<std::uint64_t>(stars[slot].area));
+  forEachFace([&](const glm::uvec3& t) {
     const std::int32_t sum = areas[t.x] + areas[t.y] + areas[t.z];
     for (int k = 0; k < 3; ++k) {
       ++stars[t[k]].faces;
       stars[t[k]].around += sum - areas[t[k]];
     }
-  }
-  std::vector<std::uint8_t> classes;
-  classes.reserve(count);
-  std::uint32_t own = 0;  // the vertex's level
-  for (VertexId v = 0; v < count; ++v) {
-    while (v >= begin[own + 1])
-      ++own;
-    const Star& star = stars[v];
+  });
+  std::vector<std::uint8_t> classes(count);
+  for (Slot slot = 0; slot < origins.size(); ++slot) {
+    if (origins[slot] != slot) continue;
+    const std::uint32_t own = mesh.levelOf(ids[slot]);
+    const Star& star = stars[slot];
     const std::int32_t around = star.faces == 0 ? 0 : star.around / (2 * star.faces);
-    classes.push_back(classOf(
+    classes[ids[slot]] = classOf(
         static_cast<std::size_t>(star.faces),
-        areas[v] - around,
-        own == 0 ? 7 : level - own));
+        areas[slot] - around,
+        own == 0 ? 7 : level - own);
   }
   return classes;
 }

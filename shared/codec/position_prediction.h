@@ -29,7 +29,13 @@ struct Prediction {
 
 /// The part of `a` along `normal` (15 bits; zero: none).
 inline Wide partAlong(const Wide& a, const Wide& normal, std::int64_t normalSquared) {
-  return normalSquared == 0 ? Wide(0) : roundedQuotient(normal * dot(a, normal), normalSquared);
+  if (normalSquared == 0) return Wide(0);
+  return scaled(normal, (dot(a, normal) << 12) / normalSquared, 12);
+}
+
+/// sum / count for 1 to kMaxRing addends of at most 25 bits.
+inline Wide meanOf(const Wide& sum, std::uint32_t count) {
+  return scaled(sum, (1 << 24) / static_cast<std::int64_t>(count), 24);
 }
 
 inline Prediction predict(const Neighbourhood& n, const Fan& fan) {
@@ -63,9 +69,9 @@ inline Prediction predict(const Neighbourhood& n, const Fan& fan) {
     largest = std::max(largest, areas[k]);
     before = a;
   }
-  // Twice and three times the centroids, the weights cut down to 16 bits.
-  const int excessLength = excessBits(most, 16);
-  const int excessArea = excessBits(largest, 16);
+  // Twice and three times the centroids, the weights cut down to 12 bits.
+  const int excessLength = excessBits(most, 12);
+  const int excessArea = excessBits(largest, 12);
   Wide perimeter(0);
   Wide centroid(0);
   std::int64_t length = 0;
@@ -85,8 +91,8 @@ inline Prediction predict(const Neighbourhood& n, const Fan& fan) {
   Prediction p;
   const Wide first(n.ring[fan.first]);
   const Wide last(n.ring[n.wrap(fan.first + fan.count - 1)]);
-  p.fan = roundedQuotient(kFine * fanSum, count);
-  const Wide ring = roundedQuotient(kFine * ringSum, n.size);
+  p.fan = meanOf(kFine * fanSum, fan.count);
+  const Wide ring = meanOf(kFine * ringSum, n.size);
   const Wide ends = kFine / 2 * (first + last);
   ringNormal = shifted(ringNormal, excessBits(maxNorm(ringNormal), 15));
   p.normal = shifted(fanNormal, excessBits(maxNorm(fanNormal), 15));
@@ -95,8 +101,9 @@ inline Prediction predict(const Neighbourhood& n, const Fan& fan) {
   p.terms[0] = -p.fan;
   p.terms[1] = ends - p.fan;
   p.terms[2] = ring - p.fan;
-  if (length > 0) p.terms[3] = roundedQuotient(kFine * perimeter, 2 * length) - p.fan;
-  if (area > 0) p.terms[4] = roundedQuotient(kFine * centroid, 3 * area) - p.fan;
+  constexpr std::int64_t kOne = std::int64_t{1} << 32;
+  if (length > 0) p.terms[3] = scaled(perimeter, kOne / (2 * length), 28) - p.fan;
+  if (area > 0) p.terms[4] = scaled(centroid, kOne / (3 * area), 28) - p.fan;
   p.terms[5] = partAlong(ring, ringNormal, dot(ringNormal, ringNormal));
   p.terms[6] = partAlong(p.fan, p.normal, normalSquared);
   p.terms[7] = partAlong(ends - p.fan, p.normal, normalSquared);
@@ -113,7 +120,7 @@ inline Wide predictedOffset(const Prediction& p, const Weights& weights) {
   Wide sum = std::int64_t{256} * p.fan;
   for (std::size_t t = 0; t < kTerms; ++t)
     sum += std::int64_t{weights[p.weightClass][t]} * p.terms[t];
-  return roundedQuotient(sum, 256 * 16);
+  return scaled(sum, 1, 12);
 }
 
 }  // namespace limn::split_syntax

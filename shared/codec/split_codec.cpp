@@ -347,20 +347,21 @@ Result<std::uint32_t> SplitDecoder::decode(std::span<const std::uint8_t> bytes, 
 
 Result<void>
 SplitDecoder::decodeShape(BinReader& bins, const ActiveMesh& mesh, VertexSplit& split) {
-  const auto found = mesh.canonicalRing(split.parent, mesh.levelOf(split.vertex), ring_);
-  if (!found) return tl::unexpected(found.error());
+  const Slot u = mesh.slotOf(split.parent);
+  if (u == kNone) return damaged("a parent that is not held");
+  mesh.canonicalRingSlots(u, mesh.levelOf(split.vertex), ring_);
   if (ring_.size() > kMaxRing || ring_.size() < 2)
     return damaged("a parent with an impossible ring");
   Neighbourhood n;
   n.size = static_cast<std::uint32_t>(ring_.size());
-  n.parent = mesh.positions()[mesh.slotOf(split.parent)];
+  n.parent = mesh.positions()[u];
   for (std::uint32_t k = 0; k < n.size; ++k)
-    n.ring[k] = mesh.positions()[mesh.slotOf(ring_[k])] - n.parent;
-  n.isPath = mesh.mesh().isBorderVertex(mesh.slotOf(split.parent));
+    n.ring[k] = mesh.positions()[ring_[k]] - n.parent;
+  n.isPath = mesh.mesh().isBorderVertex(u);
   RingCut cut;
   if (!split_syntax::codeCut(bins, n, cut)) return damaged("no cut fits");
-  split.left = cut.left == RingCut::kNoCut ? kNone : ring_[cut.left];
-  split.right = cut.right == RingCut::kNoCut ? kNone : ring_[cut.right];
+  split.left = cut.left == RingCut::kNoCut ? kNone : mesh.ids()[ring_[cut.left]];
+  split.right = cut.right == RingCut::kNoCut ? kNone : mesh.ids()[ring_[cut.right]];
   split.features = split_syntax::codeFeatures(bins, 0);
   const auto prediction = split_syntax::predict(n, split_syntax::fanOf(n, cut));
   split_syntax::codePosition(bins, n, prediction, model_.weights, split.position);

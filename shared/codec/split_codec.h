@@ -65,7 +65,7 @@ class SplitDecoder {
   // Of the level that the last level run belonged to, since several runs make a level; 0: none.
   std::uint32_t frontLevel_ = 0;
   std::vector<std::uint8_t> front_;
-  std::vector<VertexId> ring_;  // scratch
+  std::vector<Slot> ring_;  // scratch
 };
 
 }  // namespace limn

@@ -168,16 +168,18 @@ bool codeCut(Bins& bins, const Neighbourhood& n, RingCut& cut) {
   if (odds.count == 0) return false;
   // The likeliest first, each with a bit whose context is its odds among those left.
   for (std::uint32_t left = odds.count;; --left) {
-    const auto likeliest = std::max_element(odds.odds.begin(), odds.odds.begin() + odds.count);
-    const auto i = static_cast<std::size_t>(likeliest - odds.odds.begin());
-    const std::uint32_t own = *likeliest >> 11;
+    std::int32_t most = 0;
+    for (std::uint32_t k = 0; k < odds.padded; ++k)
+      most = std::max(most, odds.odds[k]);
+    const auto i = static_cast<std::size_t>(2047 - (most & 2047));
+    const auto own = static_cast<std::uint32_t>(most >> 11);
     odds.total -= own;
     const RingCut found{odds.left[i], odds.right[i]};
     if (left > 1) {
       const std::int32_t ratio = log8(own) - log8(odds.total);
       const auto step = static_cast<std::uint32_t>(std::clamp((ratio + 40) / 4, 0, 23));
       if (!bins.code(kCut + step, found == cut)) {
-        *likeliest = 0;
+        odds.odds[i] = 0;
         continue;
       }
     }

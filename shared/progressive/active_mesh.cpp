@@ -51,7 +51,7 @@ Result<ActiveMesh> ActiveMesh::fromBase(
   return active;
 }
 
-Result<ActiveMesh::Opening> ActiveMesh::findOpening(const VertexSplit& split) const {
+Result<ActiveMesh::Opening> ActiveMesh::findOpening(const VertexSplit& split) {
   if (split.vertex < baseVertexCount() || split.vertex >= levelBegin_.back()) {
     return corrupt(split.vertex, "no such split in this model");
   }
@@ -69,6 +69,7 @@ Result<ActiveMesh::Opening> ActiveMesh::findOpening(const VertexSplit& split) co
   if (first == kNone) return corrupt(split.vertex, "its parent has no face");
 
   Opening opening;
+  fan_.clear();
   const Slot r = split.right == kNone ? kNone : slotOf(split.right);
   HalfEdgeId h = first;
   if (split.left != kNone) {
@@ -87,9 +88,9 @@ Result<ActiveMesh::Opening> ActiveMesh::findOpening(const VertexSplit& split) co
     return fail(ErrorCode::kNonManifold, "a fan without left vertex at an interior parent");
   }
   while (h != kNone && (r == kNone || mesh_.target(h) != r)) {
-    opening.fan.push_back(h);
+    fan_.push_back(h);
     h = mesh_.rotateCcw(h);
-    if (!opening.fan.empty() && h == opening.fan.front()) {
+    if (!fan_.empty() && h == fan_.front()) {
       return fail(ErrorCode::kNonManifold, "right vertex is not a neighbour of the parent");
     }
   }
@@ -99,10 +100,10 @@ Result<ActiveMesh::Opening> ActiveMesh::findOpening(const VertexSplit& split) co
     }
   } else if (h != kNone) {
     opening.afterRight = h;
-  } else if (opening.fan.empty() || mesh_.origin(mesh_.prev(opening.fan.back())) != r) {
+  } else if (fan_.empty() || mesh_.origin(mesh_.prev(fan_.back())) != r) {
     return fail(ErrorCode::kNonManifold, "right vertex is not a neighbour of the parent");
   }
-  if (opening.fan.empty() && split.left != kNone && split.right != kNone) {
+  if (fan_.empty() && split.left != kNone && split.right != kNone) {
     return fail(ErrorCode::kNonManifold, "an empty fan at an interior parent");
   }
   return opening;
@@ -120,7 +121,8 @@ void ActiveMesh::link(HalfEdgeId a, HalfEdgeId b) {
 Result<void> ActiveMesh::apply(const VertexSplit& split) {
   const auto opening = findOpening(split);
   if (!opening) return tl::unexpected(opening.error());
-  const auto& [fan, beforeLeft, afterRight] = *opening;
+  const auto& [beforeLeft, afterRight] = *opening;
+  const std::vector<HalfEdgeId>& fan = fan_;
   const bool hasLeft = split.left != kNone;
   const bool hasRight = split.right != kNone;
   const Slot u = slotOf(split.parent);
@@ -376,14 +378,19 @@ ActiveMesh::canonicalRing(VertexId parent, std::uint32_t level, std::vector<Vert
   if (!holds(parent)) {
     return fail(ErrorCode::kCorrupt, "split's parent " + std::to_string(parent) + " is not held");
   }
+  canonicalRingSlots(slotOf(parent), level, ring);
+  for (std::uint32_t& member : ring)
+    member = ids_[member];
+  return {};
+}
+
+void ActiveMesh::canonicalRingSlots(Slot u, std::uint32_t level, std::vector<Slot>& ring) const {
   const VertexId finerBegin = levelBegin_[level];
-  const Slot u = slotOf(parent);
   ring.clear();
   const auto add = [&](Slot slot) {
-    VertexId id = ids_[slot];
-    while (id >= finerBegin)
-      id = parents_[slots_[id]];
-    if (ring.empty() || ring.back() != id) ring.push_back(id);
+    while (ids_[slot] >= finerBegin)
+      slot = slots_[parents_[slot]];
+    if (ring.empty() || ring.back() != slot) ring.push_back(slot);
   };
   const HalfEdgeId first = mesh_.outgoing[u];
   for (HalfEdgeId h = first; h != kNone;) {
@@ -397,9 +404,9 @@ ActiveMesh::canonicalRing(VertexId parent, std::uint32_t level, std::vector<Vert
     while (ring.size() > 1 && ring.front() == ring.back())
       ring.pop_back();
     // A cycle has no first vertex of its own: start at the smallest id.
-    std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end()), ring.end());
+    const auto byId = [this](Slot a, Slot b) { return ids_[a] < ids_[b]; };
+    std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end(), byId), ring.end());
   }
-  return {};
 }
 
 }  // namespace limn

@@ -53,6 +53,9 @@ class ActiveMesh {
   [[nodiscard]] Result<void>
   canonicalRing(VertexId parent, std::uint32_t level, std::vector<VertexId>& ring) const;
 
+  /// The same by slots, for a parent that is held, as u.
+  void canonicalRingSlots(Slot u, std::uint32_t level, std::vector<Slot>& ring) const;
+
   [[nodiscard]] bool holds(VertexId v) const { return slots_[v] != kNone; }
 
   [[nodiscard]] Slot slotOf(VertexId v) const { return slots_[v]; }  // kNone when not held
@@ -93,12 +96,12 @@ class ActiveMesh {
  private:
   /// Where a split opens: the half-edges of u's current ring that the new faces attach to.
   struct Opening {
-    std::vector<HalfEdgeId> fan;    // half-edges out of u whose faces move to v, ccw
     HalfEdgeId beforeLeft = kNone;  // l → u of the face (or border edge) before the fan
     HalfEdgeId afterRight = kNone;  // u → r of the face (or border edge) after the fan
   };
 
-  [[nodiscard]] Result<Opening> findOpening(const VertexSplit& split) const;
+  /// Also fills fan_.
+  [[nodiscard]] Result<Opening> findOpening(const VertexSplit& split);
   void setFeature(HalfEdgeId h, bool isFeature);
 
   /// What a collapse of a vertex into its parent takes away; the reverse of an Opening.
@@ -124,6 +127,7 @@ class ActiveMesh {
   std::vector<std::uint8_t> features_;
   std::vector<std::uint8_t> replaced_;  // by slot: features of u–l and, << 2, u–r before the split
   SlotTable slots_;
+  std::vector<HalfEdgeId> fan_;  // scratch: half-edges out of u whose faces move to v, ccw
 };
 
 }  // namespace limn

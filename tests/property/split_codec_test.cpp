@@ -79,6 +79,39 @@ TEST(SplitCodec, LevelRunsInOrderGiveTheFullMesh) {
   }
 }
 
+// From 11 to 18 bits a coordinate, at both ends of the grid.
+TEST(SplitCodec, EveryGridComesBackExactly) {
+  const TriangleMesh shape = primitives::bumpySphere(3, 3);
+  std::int32_t largest = 1;
+  for (const glm::ivec3& p : shape.positions)
+    largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  for (int bits = 11; bits <= 18; ++bits) {
+    TriangleMesh scaled = shape;
+    const std::int64_t side = (std::int64_t{1} << bits) - 1;
+    for (glm::ivec3& p : scaled.positions) {
+      for (int axis = 0; axis < 3; ++axis)
+        p[axis] = static_cast<std::int32_t>((p[axis] + largest) * side / (2 * largest));
+    }
+    const SplitForest forest = forestOf(scaled);
+    const LevelFronts fronts = frontsOf(forest);
+    const SplitModel model = trainSplitModel(forest, fronts);
+    SplitDecoder decoder(*parseSplitModel(serializeSplitModel(model)));
+    ActiveMesh active = baseOf(forest);
+    const std::uint32_t half = forest.levelCount() / 2;
+    for (std::uint32_t level = 1; level < half; ++level) {
+      const VertexId begin = forest.levelBegin[level];
+      const VertexId end = forest.levelBegin[level + 1];
+      ASSERT_TRUE(decoder.decode(encodeLevelRun(forest, model, fronts, begin, end), active));
+    }
+    std::vector<VertexId> rest;
+    for (VertexId v = forest.levelBegin[half]; v < forest.vertexCount(); ++v)
+      rest.push_back(v);
+    ASSERT_TRUE(decoder.decode(encodeSplits(forest, model, rest), active));
+    EXPECT_EQ(active.splitsHeld(), forest.splitCount());
+    expectEqualSoFar(forest, active);
+  }
+}
+
 TEST(SplitCodec, PacketsOfAnyLegalOrderDecode) {
   Rng rng(17);
   for (const TriangleMesh& shape : shapes()) {
