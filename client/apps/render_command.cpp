@@ -67,8 +67,9 @@ Result<CameraPath> cameras(const RenderCommandOptions& options, const ModelDescr
   return path;
 }
 
-View viewOf(const RenderCommandOptions& options, const StopCondition& until, const Camera& camera) {
-  View view;
+ClientView
+viewOf(const RenderCommandOptions& options, const StopCondition& until, const Camera& camera) {
+  ClientView view;
   view.camera = camera;
   view.viewport = options.viewport;
   view.errorPx = static_cast<float>(options.errorPx);

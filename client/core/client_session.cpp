@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/core/client_session.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -51,6 +52,9 @@ ClientSession::ClientSession(ConnectionFactory connect, Options options)
     : connect_(std::move(connect)),
       options_(std::move(options)),
       machine_(options_.session),
+      newViews_(machine_.modelCount()),
+      models_(machine_.modelCount()),
+      snapshots_(machine_.modelCount()),
       decoder_([this] { decodeLoop(); }) {}
 
 ClientSession::~ClientSession() {
@@ -70,10 +74,10 @@ bool ClientSession::waitFor(
   return wakeCaller_.wait_for(lock, std::chrono::milliseconds(timeoutMs), condition);
 }
 
-Result<ModelDescription> ClientSession::waitForModel(std::uint64_t timeoutMs) {
+Result<ModelDescription> ClientSession::waitForModel(std::uint64_t timeoutMs, std::size_t model) {
   std::unique_lock lock(mutex_);
-  waitFor(lock, timeoutMs, [this] { return model_ || failure_; });
-  if (model_) return *model_;
+  waitFor(lock, timeoutMs, [&] { return models_[model] || failure_; });
+  if (models_[model]) return *models_[model];
   if (failure_) return tl::unexpected(*failure_);
   return fail(ErrorCode::kUnavailable, "the model's description has not arrived yet");
 }
@@ -90,11 +94,13 @@ Result<SessionOutcome> ClientSession::waitForState(MeshState state, std::uint64_
   std::unique_lock lock(mutex_);
   wantedState_ = state;
   stateReached_.reset();
+  stateBlocked_.reset();
   checkWanted_ = true;
   wakeDecoder_.notify_one();
-  waitFor(lock, timeoutMs, [this] { return stateReached_ || failure_; });
+  waitFor(lock, timeoutMs, [this] { return stateReached_ || stateBlocked_ || failure_; });
   wantedState_.reset();
   if (stateReached_) return *stateReached_;
+  if (stateBlocked_) return tl::unexpected(*stateBlocked_);
   if (failure_) return tl::unexpected(*failure_);
   return fail(ErrorCode::kUnavailable, "the state asked for is not reached yet");
 }
@@ -104,15 +110,19 @@ bool ClientSession::isRunning() const {
   return !outcome_ && !failure_;
 }
 
-void ClientSession::setView(const View& view) {
+void ClientSession::setView(const ClientView& view, std::size_t model) {
   const std::lock_guard lock(mutex_);
-  newView_ = view;
+  newViews_[model] = view;
   wakeDecoder_.notify_one();
 }
 
-std::shared_ptr<const MeshSnapshot> ClientSession::latest() const {
+bool ClientSession::hasNewView() const {
+  return std::ranges::any_of(newViews_, [](const auto& view) { return view.has_value(); });
+}
+
+std::shared_ptr<const MeshSnapshot> ClientSession::latest(std::size_t model) const {
   const std::lock_guard lock(mutex_);
-  return snapshot_;
+  return snapshots_[model];
 }
 
 ClientSession::Progress ClientSession::progress() const {
@@ -132,11 +142,11 @@ void ClientSession::decodeLoop() {
     serveConnection(nowMs());
     publish(nowMs());
     std::optional<Event> event;
-    std::optional<View> view;
+    std::vector<std::optional<ClientView>> views(machine_.modelCount());
     {
       std::unique_lock lock(mutex_);
       const auto ready = [this] {
-        return stopping_ || !events_.empty() || newView_ || checkWanted_;
+        return stopping_ || !events_.empty() || hasNewView() || checkWanted_;
       };
       if (!ready()) {
         // Idle: what was decoded so far is acknowledged before sleeping.
@@ -155,7 +165,7 @@ void ClientSession::decodeLoop() {
         }
       }
       if (stopping_) break;
-      std::swap(view, newView_);
+      std::swap(views, newViews_);
       checkWanted_ = false;
       if (!events_.empty()) {
         event = std::move(events_.front());
@@ -163,7 +173,9 @@ void ClientSession::decodeLoop() {
         eventBytes_ -= event->message.size();
       }
     }
-    if (view) machine_.setView(*view, nowMs());
+    for (std::size_t m = 0; m < views.size(); ++m) {
+      if (views[m]) machine_.setView(*views[m], nowMs(), m);
+    }
     if (event) handle(std::move(*event), nowMs());
     if (const auto wake = machine_.wakeAtMs(); wake && nowMs() >= *wake) machine_.onTimer(nowMs());
   }
@@ -208,21 +220,27 @@ void ClientSession::serveConnection(std::uint64_t) {
 }
 
 void ClientSession::publish(std::uint64_t now) {
-  const StreamDecoder& decoder = machine_.decoder();
   const bool done = machine_.phase() == SessionMachine::Phase::kDone;
+  const std::size_t count = machine_.modelCount();
   bool wanted = false;
-  bool changed = false;
+  std::vector<bool> changed(count, false);
   {
     const std::lock_guard lock(mutex_);
     if (outcome_ || failure_) return;
     progress_.state = machine_.state();
-    progress_.splitsHeld = decoder.hasBase() ? decoder.mesh().splitsHeld() : 0;
-    progress_.splitsTotal = decoder.hasBase() ? decoder.mesh().splitsTotal() : 0;
+    progress_.splitsHeld = 0;
+    progress_.splitsTotal = 0;
     progress_.bytes = machine_.bytes();
     progress_.notice = machine_.notice();
-    if (decoder.hasModel() && (!model_ || model_->asset != decoder.model().asset)) {
-      model_ = decoder.model();
-      wakeCaller_.notify_all();
+    for (std::size_t m = 0; m < count; ++m) {
+      const StreamDecoder& decoder = machine_.decoder(m);
+      if (decoder.hasModel() && (!models_[m] || models_[m]->asset != decoder.model().asset)) {
+        models_[m] = decoder.model();
+        wakeCaller_.notify_all();
+      }
+      if (!decoder.hasBase()) continue;
+      progress_.splitsHeld += decoder.mesh().splitsHeld();
+      progress_.splitsTotal += decoder.mesh().splitsTotal();
     }
     if (machine_.failure()) {
       failure_ = machine_.failure();
@@ -230,25 +248,39 @@ void ClientSession::publish(std::uint64_t now) {
       return;
     }
     // A view that the machine has not seen yet has reached nothing.
-    wanted = wantedState_ && !stateReached_ && !newView_ && machine_.hasReached(*wantedState_);
-    changed = decoder.hasBase() && (!snapshot_ || snapshot_->revision != decoder.revision());
-    const bool due =
-        done || wanted || !snapshot_ || now >= publishedAtMs_ + options_.publishEveryMs;
-    if (!done && !wanted && !(changed && due)) return;
+    wanted = wantedState_ && !stateReached_ && !hasNewView() && machine_.hasReached(*wantedState_);
+    if (wantedState_ && !wanted && !hasNewView() && machine_.blocked()) {
+      stateBlocked_ = machine_.blocked();
+      wakeCaller_.notify_all();
+    }
+    const bool due = done || wanted || now >= publishedAtMs_ + options_.publishEveryMs;
+    bool any = false;
+    for (std::size_t m = 0; m < count; ++m) {
+      const StreamDecoder& decoder = machine_.decoder(m);
+      changed[m] = decoder.hasBase() &&
+                   (!snapshots_[m] || (due && snapshots_[m]->revision != decoder.revision()));
+      any = any || changed[m];
+    }
+    if (!done && !wanted && !any) return;
   }
-  // Copied outside the lock, so that readers never wait for it; only this thread writes snapshot_.
-  auto fresh = changed ? decoder.snapshot() : snapshot_;
+  // Copied outside the lock, so that readers never wait for it; only this thread writes snapshots_.
+  for (std::size_t m = 0; m < count; ++m) {
+    if (!changed[m]) continue;
+    auto fresh = machine_.decoder(m).snapshot();
+    const std::lock_guard lock(mutex_);
+    std::swap(snapshots_[m], fresh);
+  }
   const std::lock_guard lock(mutex_);
-  snapshot_ = fresh;
   publishedAtMs_ = now;
-  if (wanted) stateReached_ = outcomeNow(fresh);
-  if (done) outcome_ = outcomeNow(fresh);
+  if (wanted) stateReached_ = outcomeNow();
+  if (done) outcome_ = outcomeNow();
   if (wanted || done) wakeCaller_.notify_all();
 }
 
-SessionOutcome ClientSession::outcomeNow(std::shared_ptr<const MeshSnapshot> snapshot) const {
+SessionOutcome ClientSession::outcomeNow() const {
   return {
-      std::move(snapshot),
+      snapshots_.front(),
+      snapshots_,
       machine_.state(),
       machine_.bytes(),
       machine_.times(),

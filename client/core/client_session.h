@@ -16,7 +16,8 @@
 
 namespace limn {
 
-/// A session at work: its decode thread owns a SessionMachine and through it the mesh, the
+/// A session at work, on one model or several over one connection (numbered as in
+/// SessionMachine): its decode thread owns a SessionMachine and through it the mesh, the
 /// connection has its own network thread, and the caller's thread (usually the renderer's) reads
 /// immutable snapshots and never waits for either.
 ///
@@ -41,27 +42,29 @@ class ClientSession {
 
   /// Blocks until the model's description is there, at most timeoutMs.
   /// Errors: why the session failed; kUnavailable: not yet (and isRunning() is true).
-  [[nodiscard]] Result<ModelDescription> waitForModel(std::uint64_t timeoutMs);
+  [[nodiscard]] Result<ModelDescription> waitForModel(
+      std::uint64_t timeoutMs,
+      std::size_t model = 0);
 
   /// Blocks until the stop condition holds, at most timeoutMs. Errors: as above.
   [[nodiscard]] Result<SessionOutcome> waitUntilDone(std::uint64_t timeoutMs);
 
   /// Blocks until the newest view has that state or a later one, at most timeoutMs; for sessions
-  /// that go on. Errors: as above.
+  /// that go on. Errors: as above; kLimitExceeded when it does not fit into the memory given.
   [[nodiscard]] Result<SessionOutcome> waitForState(MeshState state, std::uint64_t timeoutMs);
 
   /// Neither failed nor done.
   [[nodiscard]] bool isRunning() const;
 
-  void setView(const View& view);
+  void setView(const ClientView& view, std::size_t model = 0);
 
   /// The latest published mesh, or null before the base mesh. Never blocks for long: the lock is
   /// held for a pointer's copy only.
-  [[nodiscard]] std::shared_ptr<const MeshSnapshot> latest() const;
+  [[nodiscard]] std::shared_ptr<const MeshSnapshot> latest(std::size_t model = 0) const;
 
   struct Progress {
     MeshState state = MeshState::kNothing;
-    std::uint32_t splitsHeld = 0;
+    std::uint32_t splitsHeld = 0;  // of all models
     std::uint32_t splitsTotal = 0;
     ByteCounters bytes;
     std::string notice;  // empty, or one line about what it waits for
@@ -82,9 +85,10 @@ class ClientSession {
   void serveConnection(std::uint64_t nowMs);
   void handle(Event event, std::uint64_t nowMs);
   void publish(std::uint64_t nowMs);
+  [[nodiscard]] bool hasNewView() const;
   template <class Condition>
   bool waitFor(std::unique_lock<std::mutex>& lock, std::uint64_t timeoutMs, Condition condition);
-  [[nodiscard]] SessionOutcome outcomeNow(std::shared_ptr<const MeshSnapshot> snapshot) const;
+  [[nodiscard]] SessionOutcome outcomeNow() const;
   [[nodiscard]] std::uint64_t nowMs() const;
 
   // Constant after construction.
@@ -104,14 +108,15 @@ class ClientSession {
   std::condition_variable wakeCaller_;
   std::deque<Event> events_;
   std::size_t eventBytes_ = 0;
-  std::optional<View> newView_;
+  std::vector<std::optional<ClientView>> newViews_;  // by model
   bool stopping_ = false;
   bool checkWanted_ = false;
-  std::optional<ModelDescription> model_;
-  std::shared_ptr<const MeshSnapshot> snapshot_;
+  std::vector<std::optional<ModelDescription>> models_;
+  std::vector<std::shared_ptr<const MeshSnapshot>> snapshots_;
   std::optional<SessionOutcome> outcome_;       // of the stop condition
   std::optional<MeshState> wantedState_;        // by waitForState()
   std::optional<SessionOutcome> stateReached_;  // answers it
+  std::optional<Error> stateBlocked_;           // or this does
   std::optional<Error> failure_;
   Progress progress_;
 

@@ -15,7 +15,7 @@ std::uint16_t toPixels(int pixels) {
 
 }  // namespace
 
-protocol::Pose toPose(const View& view, std::uint8_t channel, std::uint32_t id) {
+protocol::Pose toPose(const ClientView& view, std::uint8_t channel, std::uint32_t id) {
   protocol::Pose pose;
   pose.channel = channel;
   pose.id = id;
@@ -36,7 +36,7 @@ protocol::Pose toPose(const View& view, std::uint8_t channel, std::uint32_t id) 
   return pose;
 }
 
-void PoseReporter::set(const View& view) {
+void PoseReporter::set(const ClientView& view) {
   if (view_ &&
       encodeMessage(toPose(*view_, channel_, 0)) == encodeMessage(toPose(view, channel_, 0))) {
     return;

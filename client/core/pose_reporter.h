@@ -11,7 +11,7 @@
 namespace limn {
 
 /// Where the user looks from and how well it should look.
-struct View {
+struct ClientView {
   Camera camera;
   Viewport viewport;
   float errorPx = 1.0F;
@@ -20,7 +20,7 @@ struct View {
 };
 
 /// The view as the wire carries it.
-[[nodiscard]] protocol::Pose toPose(const View& view, std::uint8_t channel, std::uint32_t id);
+[[nodiscard]] protocol::Pose toPose(const ClientView& view, std::uint8_t channel, std::uint32_t id);
 
 /// Decides which views become Pose messages: the newest one, no two alike, at most one every
 /// kMinIntervalMs. Pure; time is an argument.
@@ -32,7 +32,7 @@ class PoseReporter {
   explicit PoseReporter(std::uint8_t channel) : channel_(channel) {}
 
   /// The newest view; replaces one that was not sent yet.
-  void set(const View& view);
+  void set(const ClientView& view);
   /// Makes the present view due again, for a new connection.
   void repeat();
   /// The pose to send now, if one is due.
@@ -46,7 +46,7 @@ class PoseReporter {
 
  private:
   std::uint8_t channel_;
-  std::optional<View> view_;
+  std::optional<ClientView> view_;
   bool waiting_ = false;
   std::uint32_t newestId_ = 0;
   std::uint64_t earliestMs_ = 0;

@@ -6,7 +6,12 @@
 #include "protocol/handshake.h"
 #include "protocol/limits.h"
 
+#include "shared/codec/id_set.h"
+
 #include <algorithm>
+#include <iterator>
+#include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace limn {
@@ -19,6 +24,10 @@ constexpr std::uint64_t kLargestBackoffMs = 5'000;
 constexpr std::uint64_t kReopenMs = 1'000;
 /// A stream that arrives damaged this often in a row will not get better.
 constexpr std::uint32_t kMaxDamages = 3;
+/// What is dropped and comes back for the same view is needed after all.
+constexpr std::uint32_t kMaxDropsAView = 8;
+/// Of one Drop: its message stays well within its limit.
+constexpr std::size_t kMaxDropSplits = 20'000;
 
 MeshState toState(protocol::Goal goal) {
   switch (goal) {
@@ -36,7 +45,11 @@ MeshState toState(protocol::Goal goal) {
 
 SessionMachine::SessionMachine(Options options)
     : options_(std::move(options)),
-      jitter_(options_.seed) {}
+      jitter_(options_.seed) {
+  streams_.emplace_back(std::uint8_t{0}, options_.model);
+  for (const std::string& model : options_.moreModels)
+    streams_.emplace_back(static_cast<std::uint8_t>(streams_.size()), model);
+}
 
 // ---- Events
 
@@ -54,7 +67,11 @@ void SessionMachine::onOpen(std::uint64_t nowMs) {
   lastHeardMs_ = nowMs;
   taken_ = 0;
   acknowledged_ = 0;
-  settledAs_.reset();
+  for (Stream& stream : streams_) {
+    stream.isOpen = false;
+    stream.settledAs.reset();
+    stream.dropping.clear();
+  }
   outbox_.push_back(encodeMessage(protocol::Hello{limits::kProtocolVersion, options_.clientName}));
   phase_ = Phase::kGreeting;
 }
@@ -65,7 +82,7 @@ void SessionMachine::onMessage(protocol::Bytes bytes, std::size_t wireBytes, std
   lastHeardMs_ = nowMs;
   if (options_.stop.kind == StopCondition::Kind::kBytes &&
       bytes_.received + wireBytes > options_.stop.bytes) {
-    if (!decoder_.hasBase()) {
+    if (!hasAnyBase()) {
       return failWith(
           {ErrorCode::kUnavailable,
            "bytes:" + std::to_string(options_.stop.bytes) +
@@ -81,15 +98,21 @@ void SessionMachine::onMessage(protocol::Bytes bytes, std::size_t wireBytes, std
     return lose(message.error(), nowMs, 0);
   }
   bytes_.count(message->body, wireBytes);
-  if (const auto channel = channelOf(message->body); channel && *channel != kChannel) {
-    return lose({ErrorCode::kProtocol, "the server used a channel that is not open"}, nowMs, 0);
+  Stream* stream = nullptr;
+  if (const auto channel = channelOf(message->body)) {
+    if (*channel >= streams_.size()) {
+      return lose({ErrorCode::kProtocol, "the server used a channel that is not open"}, nowMs, 0);
+    }
+    stream = &streams_[*channel];
   }
   std::visit(
       [&](const auto& body) {
-        if constexpr (requires { handle(body, nowMs); }) {
+        if constexpr (requires { handle(*stream, body, nowMs); }) {
+          handle(*stream, body, nowMs);
+        } else if constexpr (requires { handle(body, nowMs); }) {
           handle(body, nowMs);
-        } else if constexpr (requires { decoder_.take(body); }) {
-          handlePayload(body, bytes.size(), nowMs);
+        } else if constexpr (requires { stream->decoder.take(body); }) {
+          handlePayload(*stream, body, bytes.size(), nowMs);
         }
         // A Catalogue that nobody asked for does no harm.
       },
@@ -108,14 +131,14 @@ void SessionMachine::onClosed(const Error& reason, std::uint64_t nowMs) {
 }
 
 void SessionMachine::onIdle(std::uint64_t) {
-  if (phase_ == Phase::kStreaming) acknowledge();
+  if (phase_ == Phase::kOpening || phase_ == Phase::kStreaming) acknowledge();
 }
 
 void SessionMachine::onTimer(std::uint64_t nowMs) {
   if (phase_ == Phase::kDone || phase_ == Phase::kFailed) return;
   if (options_.stop.kind == StopCondition::Kind::kSeconds &&
       static_cast<double>(nowMs - startMs_) >= 1000.0 * options_.stop.seconds) {
-    if (!decoder_.hasBase()) {
+    if (!hasAnyBase()) {
       return failWith(
           {ErrorCode::kUnavailable,
            "the base mesh did not arrive in the seconds given: allow more"});
@@ -130,11 +153,13 @@ void SessionMachine::onTimer(std::uint64_t nowMs) {
     ++connections_;
     return;
   }
-  if (reopenAtMs_ && nowMs >= *reopenAtMs_) {
-    reopenAtMs_.reset();
-    sendOpen(nowMs);
+  for (Stream& stream : streams_) {
+    if (stream.reopenAtMs && nowMs >= *stream.reopenAtMs) {
+      stream.reopenAtMs.reset();
+      sendOpen(stream);
+    }
+    sendPoseIfDue(stream, nowMs);
   }
-  if (phase_ == Phase::kStreaming) sendPoseIfDue(nowMs);
   if (owesAnswer() && nowMs >= lastHeardMs_ + options_.silenceMs) {
     const Error silent{
         ErrorCode::kNetwork,
@@ -144,11 +169,16 @@ void SessionMachine::onTimer(std::uint64_t nowMs) {
   }
 }
 
-void SessionMachine::setView(const View& view, std::uint64_t nowMs) {
-  const std::uint32_t before = poses_.newestId();
-  poses_.set(view);
-  if (poses_.newestId() != before) settledAs_.reset();
-  if (phase_ == Phase::kStreaming) sendPoseIfDue(nowMs);
+void SessionMachine::setView(const ClientView& view, std::uint64_t nowMs, std::size_t model) {
+  Stream& stream = streams_[model];
+  const std::uint32_t before = stream.poses.newestId();
+  stream.poses.set(view);
+  if (stream.poses.newestId() == before) return;
+  stream.settledAs.reset();
+  blocked_.reset();
+  stream.drops = 0;
+  stream.eviction.look(view);
+  sendPoseIfDue(stream, nowMs);
 }
 
 // ---- Messages
@@ -161,45 +191,65 @@ void SessionMachine::handle(const protocol::Welcome& message, std::uint64_t nowM
     return failWith(version.error());
   }
   everWelcomed_ = true;
-  sendOpen(nowMs);
+  phase_ = Phase::kOpening;
+  for (Stream& stream : streams_)
+    sendOpen(stream);
 }
 
-void SessionMachine::handle(const protocol::ModelInfo& message, std::uint64_t nowMs) {
-  if (phase_ != Phase::kOpening) {
+void SessionMachine::handle(
+    Stream& stream,
+    const protocol::ModelInfo& message,
+    std::uint64_t nowMs) {
+  if (phase_ != Phase::kOpening || stream.isOpen || stream.reopenAtMs) {
     return lose(
         {ErrorCode::kProtocol, "a model's description came that was not asked for"},
         nowMs,
         0);
   }
-  const bool resuming = decoder_.hasModel();
-  if (auto begun = decoder_.beginModel(message); !begun) {
+  const bool resuming = stream.decoder.hasModel();
+  if (auto begun = stream.decoder.beginModel(message); !begun) {
     ++damages_;
     return lose(begun.error(), nowMs, 0);
+  }
+  if (options_.memoryBytes > 0) {
+    const std::uint64_t share = options_.memoryBytes / streams_.size();
+    stream.maxSplits = splitsThatFit(share, message.levelBegin[1], message.vertices);
+    if (stream.maxSplits == 0) {
+      return failWith(
+          {ErrorCode::kLimitExceeded,
+           "'" + stream.model + "' has " + std::to_string(message.vertices) +
+               " vertices, not even a beginning of it fits into the memory given: allow more"});
+    }
   }
   // Also when the asset has changed meanwhile: then the have-set is empty, and the server, which
   // waits for it, begins from the base mesh.
   if (resuming) {
-    for (auto& piece : encodeHaveSet(decoder_, kChannel))
+    for (auto& piece : encodeHaveSet(stream.decoder, stream.channel))
       outbox_.push_back(std::move(piece));
   }
-  phase_ = Phase::kStreaming;
+  stream.isOpen = true;
+  if (std::ranges::all_of(streams_, &Stream::isOpen)) phase_ = Phase::kStreaming;
   notice_.clear();
   noteProgress(nowMs);
-  poses_.repeat();
-  sendPoseIfDue(nowMs);
+  stream.poses.repeat();
+  sendPoseIfDue(stream, nowMs);
 }
 
 template <class Payload>
 void SessionMachine::handlePayload(
+    Stream& stream,
     const Payload& message,
     std::size_t messageBytes,
     std::uint64_t nowMs) {
-  if (phase_ != Phase::kStreaming) {
+  if (!stream.isOpen) {
     return lose({ErrorCode::kProtocol, "mesh data came before a model was open"}, nowMs, 0);
   }
-  if (auto taken = decoder_.take(message); !taken) {
+  if (auto taken = stream.decoder.take(message); !taken) {
     ++damages_;
     return lose(taken.error(), nowMs, 0);
+  }
+  if constexpr (std::is_same_v<Payload, protocol::Base>) {
+    if (stream.maxSplits > 0) stream.decoder.reserve(stream.maxSplits);
   }
   damages_ = 0;
   noteProgress(nowMs);
@@ -207,42 +257,92 @@ void SessionMachine::handlePayload(
   if (taken_ - acknowledged_ >= kAcknowledgeEveryBytes) acknowledge();
 }
 
-void SessionMachine::handle(const protocol::Settled& message, std::uint64_t nowMs) {
-  if (phase_ != Phase::kStreaming) {
+void SessionMachine::handle(Stream& stream, const protocol::Settled& message, std::uint64_t nowMs) {
+  if (!stream.isOpen) {
     return lose({ErrorCode::kProtocol, "settled came before a model was open"}, nowMs, 0);
   }
-  if (message.pose != poses_.newestId()) return;  // about a view that has passed
+  if (message.pose != stream.poses.newestId()) return;  // about a view that has passed
   const MeshState state = toState(message.state);
-  if (state == MeshState::kComplete && !decoder_.complete()) {
+  if (state == MeshState::kComplete && !stream.decoder.complete()) {
     ++damages_;
     return lose(
         {ErrorCode::kProtocol, "the server says complete, but splits are missing"},
         nowMs,
         0);
   }
-  if (!settledAs_ || *settledAs_ < state) settledAs_ = state;
+  if (!stream.settledAs || *stream.settledAs < state) stream.settledAs = state;
   noteProgress(nowMs);
+}
+
+void SessionMachine::handle(Stream& stream, const protocol::Dropped& message, std::uint64_t nowMs) {
+  const auto kept = decodeIdSet(message.kept, std::numeric_limits<VertexId>::max());
+  if (stream.dropping.empty() || !kept) {
+    ++damages_;
+    return lose({ErrorCode::kProtocol, "an answer to a drop that was not asked for"}, nowMs, 0);
+  }
+  std::vector<VertexId> gone;
+  std::ranges::set_difference(stream.dropping, *kept, std::back_inserter(gone));
+  stream.dropping.clear();
+  if (auto undone = stream.decoder.undo(gone); !undone) {
+    ++damages_;
+    return lose(undone.error(), nowMs, 0);
+  }
+  noteProgress(nowMs);
+}
+
+void SessionMachine::handle(Stream& stream, const protocol::Full& message, std::uint64_t nowMs) {
+  if (!stream.isOpen || stream.maxSplits == 0) {
+    return lose({ErrorCode::kProtocol, "the server says full, but there is no limit"}, nowMs, 0);
+  }
+  if (message.pose == stream.poses.newestId()) makeRoom(stream, message.missing);
+  noteProgress(nowMs);
+}
+
+void SessionMachine::makeRoom(Stream& stream, std::uint32_t missing) {
+  if (!stream.dropping.empty()) return;  // the answer lets the server say again that it is full
+  // Some more than is missing, since of what is asked for not all may go; ever more if that fails.
+  const std::size_t wanted = std::min<std::size_t>(
+      (std::size_t{missing} + stream.maxSplits / 16 + 1) << stream.drops,
+      kMaxDropSplits);
+  if (stream.drops < kMaxDropsAView) {
+    stream.dropping =
+        stream.eviction.choose(stream.decoder.mesh(), stream.decoder.model().grid, wanted);
+  }
+  ++stream.drops;
+  if (!stream.dropping.empty()) {
+    outbox_.push_back(encodeMessage(protocol::Drop{stream.channel, encodeIdSet(stream.dropping)}));
+    return;
+  }
+  const std::string what = "this view of '" + stream.model + "' needs " + std::to_string(missing) +
+                           " splits more than the memory given holds";
+  blocked_ = Error{ErrorCode::kLimitExceeded, what + ": allow more, or a larger error in pixels"};
+  if (options_.stop.kind == StopCondition::Kind::kState) failWith(*blocked_);
 }
 
 void SessionMachine::handle(const protocol::Failure& message, std::uint64_t nowMs) {
   const std::string what = message.message.empty() ? std::string(protocol::nameOf(message.code))
                                                    : std::string(message.message);
+  Stream* stream =
+      message.channel >= 0 && static_cast<std::size_t>(message.channel) < streams_.size()
+          ? &streams_[static_cast<std::size_t>(message.channel)]
+          : nullptr;
   switch (message.code) {
     case protocol::WireError::kNotReady:
+      if (stream == nullptr) break;
       notice_ = what;
       // The channel is closed, the connection is not: the model is asked for again.
       phase_ = Phase::kOpening;
-      reopenAtMs_ = nowMs + std::max<std::uint64_t>(message.retryAfterMs, kReopenMs);
+      stream->isOpen = false;
+      stream->reopenAtMs = nowMs + std::max<std::uint64_t>(message.retryAfterMs, kReopenMs);
       return;
     case protocol::WireError::kStale:
     case protocol::WireError::kHaveSet:
-      if (decoder_.hasModel()) {
-        decoder_.drop();
-        settledAs_.reset();
-        sendOpen(nowMs);
-        return;
-      }
-      return failWith({ErrorCode::kProtocol, what});
+      if (stream == nullptr || !stream->decoder.hasModel()) break;
+      stream->decoder.drop();
+      stream->settledAs.reset();
+      phase_ = Phase::kOpening;
+      sendOpen(*stream);
+      return;
     case protocol::WireError::kDraining:
       return lose({ErrorCode::kUnavailable, what}, nowMs, message.retryAfterMs);
     case protocol::WireError::kInternal:
@@ -255,19 +355,26 @@ void SessionMachine::handle(const protocol::Failure& message, std::uint64_t nowM
     case protocol::WireError::kVersion:
     case protocol::WireError::kBadMessage:
     case protocol::WireError::kState:
-      return failWith({ErrorCode::kProtocol, what});
+      break;
   }
+  failWith({ErrorCode::kProtocol, what});
 }
 
 // ---- Actions
 
-void SessionMachine::sendOpen(std::uint64_t) {
-  outbox_.push_back(encodeMessage(protocol::Open{kChannel, options_.model, decoder_.hasModel()}));
-  phase_ = Phase::kOpening;
+void SessionMachine::sendOpen(Stream& stream) {
+  stream.isOpen = false;
+  stream.dropping.clear();
+  outbox_.push_back(
+      encodeMessage(protocol::Open{stream.channel, stream.model, stream.decoder.hasModel()}));
 }
 
-void SessionMachine::sendPoseIfDue(std::uint64_t nowMs) {
-  if (const auto pose = poses_.next(nowMs)) outbox_.push_back(encodeMessage(*pose));
+void SessionMachine::sendPoseIfDue(Stream& stream, std::uint64_t nowMs) {
+  if (!stream.isOpen) return;
+  auto pose = stream.poses.next(nowMs);
+  if (!pose) return;
+  pose->maxSplits = stream.maxSplits;
+  outbox_.push_back(encodeMessage(*pose));
 }
 
 void SessionMachine::acknowledge() {
@@ -278,8 +385,11 @@ void SessionMachine::acknowledge() {
 
 void SessionMachine::lose(const Error& reason, std::uint64_t nowMs, std::uint64_t retryAfterMs) {
   outbox_.clear();
-  reopenAtMs_.reset();
-  settledAs_.reset();
+  for (Stream& stream : streams_) {
+    stream.isOpen = false;
+    stream.reopenAtMs.reset();
+    stream.settledAs.reset();
+  }
   if (damages_ >= kMaxDamages) return failWith(reason.within("the stream keeps arriving damaged"));
   if (!lostAtMs_) lostAtMs_ = nowMs;
   // Doubled each time, with up to half of it as jitter, so that a restarted server is not stormed.
@@ -331,15 +441,22 @@ bool SessionMachine::owesAnswer() const {
     case Phase::kGreeting:
       return true;
     case Phase::kOpening:
-      return !reopenAtMs_;
     case Phase::kStreaming:
-      // The base mesh is owed from the start; more only for a view that has been told.
-      return !decoder_.hasBase() || (poses_.newestId() != 0 && state() < MeshState::kSettled) ||
-             (options_.stop.kind == StopCondition::Kind::kState && poses_.newestId() != 0 &&
-              !hasReached(options_.stop.state));
+      return std::ranges::any_of(streams_, [this](const Stream& stream) {
+        return owesAnswer(stream);
+      });
     default:
       return false;
   }
+}
+
+bool SessionMachine::owesAnswer(const Stream& stream) const {
+  if (!stream.isOpen) return !stream.reopenAtMs;
+  // The base mesh is owed from the start; more only for a view that has been told.
+  if (!stream.decoder.hasBase()) return true;
+  if (stream.poses.newestId() == 0) return false;
+  return stateOf(stream) < MeshState::kSettled ||
+         (options_.stop.kind == StopCondition::Kind::kState && !hasReached(options_.stop.state));
 }
 
 // ---- Queries
@@ -362,8 +479,10 @@ std::optional<std::uint64_t> SessionMachine::wakeAtMs() const {
   std::optional<std::uint64_t> wake;
   const auto consider = [&wake](std::uint64_t at) { wake = wake ? std::min(*wake, at) : at; };
   if (phase_ == Phase::kWaiting) consider(retryAtMs_);
-  if (reopenAtMs_) consider(*reopenAtMs_);
-  if (phase_ == Phase::kStreaming && poses_.dueAtMs()) consider(*poses_.dueAtMs());
+  for (const Stream& stream : streams_) {
+    if (stream.reopenAtMs) consider(*stream.reopenAtMs);
+    if (stream.isOpen && stream.poses.dueAtMs()) consider(*stream.poses.dueAtMs());
+  }
   if (owesAnswer()) consider(lastHeardMs_ + options_.silenceMs);
   if (options_.stop.kind == StopCondition::Kind::kSeconds) {
     consider(startMs_ + static_cast<std::uint64_t>(1000.0 * options_.stop.seconds + 0.999));
@@ -371,15 +490,38 @@ std::optional<std::uint64_t> SessionMachine::wakeAtMs() const {
   return wake;
 }
 
+bool SessionMachine::hasAnyBase() const {
+  return std::ranges::any_of(streams_, [](const Stream& s) { return s.decoder.hasBase(); });
+}
+
+std::optional<std::uint32_t> SessionMachine::room(std::size_t model) const {
+  const std::uint32_t most = streams_[model].maxSplits;
+  return most == 0 ? std::nullopt : std::optional(most);
+}
+
 bool SessionMachine::hasReached(MeshState wanted) const {
-  return state() >= wanted && (!options_.needsSeeds || decoder_.seedsAreThere());
+  return std::ranges::all_of(streams_, [&](const Stream& stream) {
+    return stateOf(stream) >= wanted && (!options_.needsSeeds || stream.decoder.seedsAreThere());
+  });
 }
 
 MeshState SessionMachine::state() const {
-  if (!decoder_.hasBase()) return MeshState::kNothing;
-  if (decoder_.complete()) return MeshState::kComplete;
-  if (settledAs_) return *settledAs_;
-  return decoder_.mesh().splitsHeld() == 0 ? MeshState::kBase : MeshState::kPartial;
+  MeshState least = MeshState::kComplete;
+  for (const Stream& stream : streams_)
+    least = std::min(least, stateOf(stream));
+  return least;
+}
+
+MeshState SessionMachine::state(std::size_t model) const {
+  return stateOf(streams_[model]);
+}
+
+MeshState SessionMachine::stateOf(const Stream& stream) {
+  const StreamDecoder& decoder = stream.decoder;
+  if (!decoder.hasBase()) return MeshState::kNothing;
+  if (decoder.complete()) return MeshState::kComplete;
+  if (stream.settledAs) return *stream.settledAs;
+  return decoder.mesh().splitsHeld() == 0 ? MeshState::kBase : MeshState::kPartial;
 }
 
 }  // namespace limn

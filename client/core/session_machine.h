@@ -2,6 +2,7 @@
 #pragma once
 
 #include "client/core/byte_counters.h"
+#include "client/core/eviction.h"
 #include "client/core/pose_reporter.h"
 #include "client/core/session_state.h"
 #include "client/core/stream_decoder.h"
@@ -13,13 +14,15 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace limn {
 
-/// What a client does about one model of one server, from the first Hello to the state that was
-/// asked for, over lost connections too. It has no thread, socket or clock: events and the time go
-/// in, messages and a wish for a connection come out, so that every path can be tested.
+/// What a client does about one model of one server, or several over one connection, from the first
+/// Hello to the state that was asked for, over lost connections too. It has no thread, socket or
+/// clock: events and the time go in, messages and a wish for a connection come out, so that every
+/// path can be tested.
 ///
 /// Phases (SPEC.md "States" has them with the server's side):
 ///
@@ -27,15 +30,20 @@ namespace limn {
 ///        ↑________________ kWaiting (backoff) ←__ any loss __________|       kFailed
 ///
 /// A session that has begun a model opens it again with `resume` and its have-set, and goes on from
-/// what it holds. Threads: one at a time.
+/// what it holds. A model is named by its place among those asked for, 0 the first; that is also
+/// its channel. Threads: one at a time.
 class SessionMachine {
  public:
   struct Options {
     std::string model;
+    std::vector<std::string> moreModels;  // opened beside it, on channels of their own
     std::string clientName = "limn-client";
     StopCondition stop;
     /// A state counts only once the silhouette seeds have come too, if there are any.
     bool needsSeeds = false;
+    /// What the meshes and their snapshots may take, shared evenly by the models; 0: no limit. The
+    /// splits least needed are dropped when it is used up.
+    std::uint64_t memoryBytes = 0;
     std::uint64_t giveUpAfterMs = 30'000;  // of trying to get back to a lost server
     std::uint64_t silenceMs = 30'000;      // of a server that owes something: taken for a loss
     std::uint64_t seed = 1;                // of the backoff's jitter
@@ -64,7 +72,7 @@ class SessionMachine {
   void onIdle(std::uint64_t nowMs);
   /// Call when wakeAtMs() has come.
   void onTimer(std::uint64_t nowMs);
-  void setView(const View& view, std::uint64_t nowMs);
+  void setView(const ClientView& view, std::uint64_t nowMs, std::size_t model = 0);
 
   // ---- What the owner should do
 
@@ -82,11 +90,21 @@ class SessionMachine {
 
   [[nodiscard]] Phase phase() const { return phase_; }
 
-  [[nodiscard]] const StreamDecoder& decoder() const { return decoder_; }
+  [[nodiscard]] std::size_t modelCount() const { return streams_.size(); }
 
+  [[nodiscard]] const StreamDecoder& decoder(std::size_t model = 0) const {
+    return streams_[model].decoder;
+  }
+
+  /// Of the model that is least far.
   [[nodiscard]] MeshState state() const;
+  [[nodiscard]] MeshState state(std::size_t model) const;
 
-  /// Whether the newest view has that state or a later one, with the seeds if they are needed.
+  /// How many splits of a model there is room for; nullopt: no limit, or not known yet.
+  [[nodiscard]] std::optional<std::uint32_t> room(std::size_t model = 0) const;
+
+  /// Whether every model's newest view has that state or a later one, with the seeds if they are
+  /// needed.
   [[nodiscard]] bool hasReached(MeshState state) const;
 
   [[nodiscard]] const ByteCounters& bytes() const { return bytes_; }
@@ -99,21 +117,50 @@ class SessionMachine {
   /// Set in kFailed.
   [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
 
+  /// Why a present view will get no further although the server could send more: no room. Until the
+  /// next view.
+  [[nodiscard]] const std::optional<Error>& blocked() const { return blocked_; }
+
   /// What the server last said about why it cannot serve the model yet; for a progress line.
   [[nodiscard]] const std::string& notice() const { return notice_; }
 
  private:
-  static constexpr std::uint8_t kChannel = 0;
+  /// One model: its channel, what is held of it, where it is looked at from.
+  struct Stream {
+    Stream(std::uint8_t id, std::string name) : channel(id), model(std::move(name)), poses(id) {}
 
+    std::uint8_t channel;
+    std::string model;
+    StreamDecoder decoder;
+    PoseReporter poses;
+    bool isOpen = false;                      // its description has come, on this connection
+    std::optional<MeshState> settledAs;       // what the server said about the newest pose
+    std::optional<std::uint64_t> reopenAtMs;  // the model was not ready
+
+    // Room.
+    std::uint32_t maxSplits = 0;  // 0: no limit
+    Eviction eviction;
+    std::vector<VertexId> dropping;  // asked for, not answered yet
+    std::uint32_t drops = 0;         // asked for at this view
+  };
+
+  void handle(Stream& stream, const protocol::ModelInfo& message, std::uint64_t nowMs);
+  void handle(Stream& stream, const protocol::Settled& message, std::uint64_t nowMs);
+  void handle(Stream& stream, const protocol::Dropped& message, std::uint64_t nowMs);
+  void handle(Stream& stream, const protocol::Full& message, std::uint64_t nowMs);
   void handle(const protocol::Welcome& message, std::uint64_t nowMs);
-  void handle(const protocol::ModelInfo& message, std::uint64_t nowMs);
-  void handle(const protocol::Settled& message, std::uint64_t nowMs);
   void handle(const protocol::Failure& message, std::uint64_t nowMs);
   template <class Payload>
-  void handlePayload(const Payload& message, std::size_t messageBytes, std::uint64_t nowMs);
+  void handlePayload(
+      Stream& stream,
+      const Payload& message,
+      std::size_t messageBytes,
+      std::uint64_t nowMs);
 
-  void sendOpen(std::uint64_t nowMs);
-  void sendPoseIfDue(std::uint64_t nowMs);
+  [[nodiscard]] bool hasAnyBase() const;
+  void sendOpen(Stream& stream);
+  void sendPoseIfDue(Stream& stream, std::uint64_t nowMs);
+  void makeRoom(Stream& stream, std::uint32_t missing);
   void acknowledge();
   void lose(const Error& reason, std::uint64_t nowMs, std::uint64_t retryAfterMs);
   void failWith(Error error);
@@ -121,15 +168,17 @@ class SessionMachine {
   void noteStates(std::uint64_t nowMs);
   void checkStop(std::uint64_t nowMs);
   [[nodiscard]] bool owesAnswer() const;
+  [[nodiscard]] bool owesAnswer(const Stream& stream) const;
+  [[nodiscard]] static MeshState stateOf(const Stream& stream);
 
   Options options_;
   Phase phase_ = Phase::kWaiting;
-  StreamDecoder decoder_;
-  PoseReporter poses_{kChannel};
+  std::vector<Stream> streams_;
   ByteCounters bytes_;
   StateTimes times_;
   std::deque<std::vector<std::uint8_t>> outbox_;
   std::optional<Error> failure_;
+  std::optional<Error> blocked_;
   std::string notice_;
   Rng jitter_;
 
@@ -137,14 +186,12 @@ class SessionMachine {
   std::uint32_t connections_ = 0;  // asked for
   std::uint32_t opened_ = 0;
   bool everWelcomed_ = false;
-  std::optional<MeshState> settledAs_;  // what the server said about the newest pose
-  std::uint64_t taken_ = 0;             // payload bytes of this connection
+  std::uint64_t taken_ = 0;  // payload bytes of this connection
   std::uint64_t acknowledged_ = 0;
   std::uint32_t failedTries_ = 0;  // losses in a row without any progress between them
   std::uint32_t damages_ = 0;      // of the stream, in a row
   std::optional<std::uint64_t> lostAtMs_;
   std::uint64_t retryAtMs_ = 0;
-  std::optional<std::uint64_t> reopenAtMs_;  // the model was not ready
   std::uint64_t lastHeardMs_ = 0;
 };
 

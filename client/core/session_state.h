@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace limn {
 
@@ -43,7 +44,8 @@ struct StateTimes {
 
 /// What a session has come to.
 struct SessionOutcome {
-  std::shared_ptr<const MeshSnapshot> snapshot;
+  std::shared_ptr<const MeshSnapshot> snapshot;                // of the first model
+  std::vector<std::shared_ptr<const MeshSnapshot>> snapshots;  // by model
   MeshState state = MeshState::kNothing;
   ByteCounters bytes;
   StateTimes times;

@@ -37,6 +37,9 @@ class StreamDecoder {
   /// (a split that cannot be undone: the account is wrong).
   [[nodiscard]] Result<void> undo(std::span<const VertexId> ids);
 
+  /// Never more splits than this will come: takes the memory for them at once, not by doubling.
+  void reserve(std::uint32_t splits) { mesh_.reserve(splits); }
+
   /// Forgets the model.
   void drop();
 

@@ -365,6 +365,18 @@ Result<VertexSplit> ActiveMesh::undo(VertexId vertex) {
   return split;
 }
 
+void ActiveMesh::reserve(std::uint32_t splits) {
+  const std::size_t vertices = std::size_t{baseVertexCount()} + std::min(splits, splitsTotal());
+  mesh_.origins.reserve(6 * vertices);
+  mesh_.twins.reserve(6 * vertices);
+  features_.reserve(6 * vertices);
+  mesh_.outgoing.reserve(vertices);
+  positions_.reserve(vertices);
+  ids_.reserve(vertices);
+  parents_.reserve(vertices);
+  replaced_.reserve(vertices);
+}
+
 std::size_t ActiveMesh::bytes() const {
   return (mesh_.origins.capacity() + mesh_.twins.capacity() + mesh_.outgoing.capacity()) *
              sizeof(std::uint32_t) +

@@ -38,6 +38,9 @@ class ActiveMesh {
   /// unchanged. Cost: O(valence). Threads: one writer.
   [[nodiscard]] Result<void> apply(const VertexSplit& split);
 
+  /// Takes the memory for so many splits (of a closed mesh) in all. May throw std::bad_alloc.
+  void reserve(std::uint32_t splits);
+
   /// Undoes a split: afterwards the mesh is what it would be had that split never been applied, but
   /// for the numbering of slots and faces (the last ones move into the holes). Returns the split;
   /// applying it again brings the mesh back. Legal when no split that is held has `vertex` as a

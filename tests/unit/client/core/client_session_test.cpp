@@ -120,12 +120,12 @@ TEST(ClientSession, WaitingForAStateHonoursANewView) {
         return options;
       }());
   ASSERT_TRUE(session.waitForModel(kLongMs));
-  session.setView(View{});
+  session.setView(ClientView{});
   const auto outcome = session.waitForState(MeshState::kSettled, kLongMs);
   ASSERT_TRUE(outcome) << outcome.error().message;
   EXPECT_EQ(outcome->state, MeshState::kSettled);
   // What was settled for the first view says nothing about another one.
-  View other;
+  ClientView other;
   other.camera.eye = {9.0, 0.0, 0.0};
   session.setView(other);
   const auto later = session.waitForState(MeshState::kSettled, 50);

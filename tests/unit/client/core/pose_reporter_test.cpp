@@ -8,8 +8,8 @@
 namespace limn {
 namespace {
 
-View viewFrom(double x) {
-  View view;
+ClientView viewFrom(double x) {
+  ClientView view;
   view.camera.eye = {x, 0.0, 3.0};
   return view;
 }
@@ -54,7 +54,7 @@ TEST(PoseReporter, RepeatsForANewConnectionUnderANewId) {
 }
 
 TEST(PoseReporter, OrthographicHeightIsThePerspectiveExtentAtTheTarget) {
-  View view = viewFrom(0.0);
+  ClientView view = viewFrom(0.0);
   view.camera.orthographic = true;
   view.camera.fovDegrees = 90.0;
   const protocol::Pose pose = toPose(view, 0, 1);

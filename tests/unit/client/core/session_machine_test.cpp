@@ -64,7 +64,7 @@ struct Bench {
   }
 
   void view(double x) {
-    View v;
+    ClientView v;
     v.camera.eye = {x, 0.0, 5.0};
     machine.setView(v, now);
     collect();
