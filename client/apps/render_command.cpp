@@ -364,6 +364,7 @@ Result<void> runRender(const RenderCommandOptions& options) {
   ClientSession::Options sessionOptions;
   sessionOptions.session.model = source->model;
   sessionOptions.session.stop = until;
+  sessionOptions.session.memoryBytes = options.memoryMib << 20;
   sessionOptions.session.needsSeeds =
       options.detector == DetectorMethod::kPrecomputed && until.state > MeshState::kBase;
   sessionOptions.publishEveryMs = kNeverMs;

@@ -56,8 +56,8 @@ struct RawFlags {
 };
 
 /// Flags of commands whose feature is not there yet: known, so that the answer is a clear one.
-constexpr std::array<const char*, 6> kLaterFlags =
-    {"--hull-faces", "--contours", "--memory", "--dump-hull", "--dump-inner-hull", "--plot"};
+constexpr std::array<const char*, 5> kLaterFlags =
+    {"--hull-faces", "--contours", "--dump-hull", "--dump-inner-hull", "--plot"};
 
 Result<void> understandStrokes(const RawFlags& raw, RenderCommandOptions& options) {
   const auto kind = parseBrushKind(raw.brush);
@@ -154,6 +154,10 @@ Result<void> understandView(const RawFlags& raw, RenderCommandOptions& options) 
   if (!(options.errorPx >= limits::kMinErrorPx && options.errorPx <= limits::kMaxErrorPx)) {
     return wrong("--error-px is 0.1 to 64");
   }
+  if (options.memoryMib > 0 && options.source.serverUrl.empty()) {
+    return wrong("--memory bounds what is streamed from a --server; files are read whole");
+  }
+  if (options.memoryMib > (1U << 20)) return wrong("--memory is at most 1048576 (MiB)");
   if (options.frames < 1 || options.frames > 100'000) return wrong("--frames is 1 to 100000");
   if (!raw.path.empty()) {
     if (raw.path != "orbit") return wrong("--path " + raw.path + " is unknown: write orbit");
@@ -257,6 +261,10 @@ void addRender(
   app.add_option("--gl", raw.gl, "egl|osmesa");
   app.add_option("--assets", raw.assets, "Folder of texture sets");
 
+  app.add_option(
+      "--memory",
+      o.memoryMib,
+      "MiB for the streamed mesh; what no view needs is dropped (no limit)");
   app.add_option("--frames", o.frames, "Frames to draw; times are medians over them (1)");
   app.add_option("--path", raw.path, "orbit: once around the model in --frames frames");
   app.add_option("--out", raw.out, "Picture (PNG); with --path, a pattern like f%04d.png");

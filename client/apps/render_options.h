@@ -48,6 +48,7 @@ struct RenderCommandOptions {
 
   std::optional<StopCondition> until;  // unset: settled from a server, complete otherwise
   double errorPx = 1.0;
+  std::uint64_t memoryMib = 0;  // for the streamed mesh; 0: no limit
 
   DrawMode draw = DrawMode::kStrokes;
   std::string detectorName = "exact";  // as reported
