@@ -89,13 +89,13 @@ LineFinder::LineFinder(
     return mesh.holds(v) ? mesh.slotOf(v) : kNone;
   };
   detector_ = makeDetector(options.detector, field_, detector);
+  const std::vector<std::uint8_t> features =
+      withoutNoise(snapshot_->mesh.mesh(), snapshot_->mesh.positions(), snapshot_->mesh.features());
   if (options.features.crease && options.silhouette == SilhouetteKind::kSmooth) {
-    creaseContours_.emplace(field_, snapshot_->mesh.features());
+    creaseContours_.emplace(field_, features);
   }
-  const PolylineSet all = chainFeatures(
-      snapshot_->mesh.mesh(),
-      snapshot_->mesh.positions(),
-      snapshot_->mesh.features());
+  const PolylineSet all =
+      chainFeatures(snapshot_->mesh.mesh(), snapshot_->mesh.positions(), features);
   for (const PolylineSet::Line& line : all.lines) {
     if (!isChosen(line.kind, options.features)) continue;
     appendLine(

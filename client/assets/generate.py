@@ -143,11 +143,108 @@ def ink_pen(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
     return rows
 
 
+def coloured_pencil(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+    """Wax and pigment: a broad soft lead that skips the paper's hollows, in streaks along the stroke."""
+    centre, width = Noise(seed, 8), Noise(seed + 1, 12)
+    pressure, streaks = Noise(seed + 2, 7), Noise(seed + 3, 40, 3)
+    grain, specks = Noise(seed + 4, 300, 2), Noise(seed + 5, 620, 1)
+    rows = []
+    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
+    for y in range(HEIGHT):
+        v = 2 * (y + 0.5) / HEIGHT - 1
+        row = []
+        for x in range(WIDTH):
+            half = BODY * weight * (0.98 + 0.12 * width(x))
+            off = abs(v - 0.10 * centre(x)) / half
+            ink = smoothstep(1.08, 0.75, off)
+            # The lead's own hollows, deeper towards its edges.
+            tooth = 0.55 * grain(x, y) + 0.35 * specks(x, y) + 0.30 * streaks(x, y)
+            ink *= smoothstep(-0.62, 0.25, tooth + 0.42 + 0.22 * pressure(x) - 0.55 * off * off)
+            ink *= 0.92
+            if inside is not None:
+                px_in = inside[x] / texels_per_px[0]
+                px_off = off * half * HEIGHT / 2 / texels_per_px[1]
+                ink *= smoothstep(-0.4, 2.0, px_in - 0.30 * px_off * px_off)
+            row.append(ink * smoothstep(1.0, 0.92, abs(v)))
+        rows.append(row)
+    return rows
+
+
+def felt_pen(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+    """A fibre tip: even ink that bleeds a little, darker where it lingers, edges softly frayed."""
+    centre, width = Noise(seed, 6), Noise(seed + 1, 26)
+    linger, cloud = Noise(seed + 2, 9), Noise(seed + 3, 60, 6)
+    upper, lower = Noise(seed + 4, 210), Noise(seed + 5, 210)
+    rows = []
+    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
+    for y in range(HEIGHT):
+        v = 2 * (y + 0.5) / HEIGHT - 1
+        row = []
+        for x in range(WIDTH):
+            half = BODY * weight * (0.97 + 0.05 * width(x) + 0.06 * linger(x))
+            side = v - 0.05 * centre(x)
+            edge = half + 0.05 * (upper(x) if side < 0 else lower(x))
+            ink = smoothstep(edge + 0.16, edge - 0.14, abs(side))
+            ink *= 0.88 + 0.07 * linger(x) + 0.06 * cloud(x, y) + 0.05 * smoothstep(0.5, 1.0, abs(side) / half)
+            if inside is not None:
+                px_in = inside[x] / texels_per_px[0]
+                px_off = abs(side) * HEIGHT / 2 / texels_per_px[1]
+                radius = half * HEIGHT / 2 / texels_per_px[1]
+                ink *= smoothstep(radius + 0.6, radius - 0.6, math.hypot(max(radius - px_in, 0.0), px_off))
+            row.append(ink * smoothstep(1.0, 0.92, abs(v)))
+        rows.append(row)
+    return rows
+
+
+def marker(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+    """A chisel marker: broad, translucent, straight edges darker than the middle, dry streaks now and then."""
+    width, dry = Noise(seed, 10), Noise(seed + 1, 8)
+    streaks, pools = Noise(seed + 2, 26, 2), Noise(seed + 3, 14)
+    rows = []
+    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
+    for y in range(HEIGHT):
+        v = 2 * (y + 0.5) / HEIGHT - 1
+        row = []
+        for x in range(WIDTH):
+            half = BODY * weight * (1.0 + 0.03 * width(x))
+            off = abs(v) / half
+            ink = smoothstep(1.06, 0.94, off)
+            tone = 0.78 + 0.10 * pools(x) + 0.16 * smoothstep(0.70, 0.98, off)
+            tone -= 0.26 * smoothstep(0.15, 0.75, streaks(x, y) + 0.55 * dry(x))
+            if inside is not None:
+                # Cut square, as the chisel is.
+                ink *= smoothstep(-0.4, 0.5, inside[x] / texels_per_px[0])
+            row.append(ink * tone * smoothstep(1.0, 0.92, abs(v)))
+        rows.append(row)
+    return rows
+
+
+def technical(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+    """A plotter's line: one width, one black, square dashes."""
+    rows = []
+    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
+    for y in range(HEIGHT):
+        v = 2 * (y + 0.5) / HEIGHT - 1
+        across = smoothstep(BODY * weight + 0.05, BODY * weight - 0.05, abs(v))
+        row = []
+        for x in range(WIDTH):
+            ink = across
+            if inside is not None:
+                ink *= smoothstep(-0.35, 0.35, inside[x] / texels_per_px[0])
+            row.append(ink)
+        rows.append(row)
+    return rows
+
+
 def main():
     folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent
     for name, draw, seed, dash in (
         ("pencil", pencil, 100, dict(count=17, share=0.62, uneven=0.16)),
         ("ink", ink_pen, 200, dict(count=20, share=0.58, uneven=0.07)),
+        ("coloured-pencil", coloured_pencil, 300, dict(count=15, share=0.60, uneven=0.18)),
+        ("felt-pen", felt_pen, 400, dict(count=16, share=0.52, uneven=0.10)),
+        ("marker", marker, 500, dict(count=11, share=0.58, uneven=0.06)),
+        ("technical", technical, 600, dict(count=16, share=0.66, uneven=0.0)),
     ):
         (folder / name).mkdir(parents=True, exist_ok=True)
         write_png(folder / name / "visible.png", draw(seed))

@@ -14,50 +14,12 @@
 namespace limn {
 namespace {
 
-/// Connected creases shorter together than this share of the mesh's extent are noise of a scan and
-/// divide nothing.
-constexpr double kShortest = 0.015;
+/// Connected creases shorter together than this share of the mesh's extent are noise.
+constexpr double kShortest = 0.02;
 
-/// By half-edge: whether it lies on creases that are more than noise.
-std::vector<std::uint8_t> longCreases(
-    const SilhouetteField& field,
-    std::span<const std::uint8_t> features) {
-  const HalfEdgeMesh& mesh = field.mesh();
-  const std::span<const glm::ivec3> positions = field.positions();
-  const auto isCrease = [&](HalfEdgeId h) {
-    const HalfEdgeId twin = mesh.twins[h];
-    return twin != kNone && ((features[h] | features[twin]) & kFeatureCrease) != 0;
-  };
-  std::vector<std::uint32_t> parents(mesh.vertexCount());
-  for (std::uint32_t v = 0; v < parents.size(); ++v)
-    parents[v] = v;
-  const auto rootOf = [&](std::uint32_t v) {
-    while (parents[v] != v) {
-      parents[v] = parents[parents[v]];
-      v = parents[v];
-    }
-    return v;
-  };
-  std::vector<std::uint8_t> found(mesh.origins.size(), 0);
-  for (HalfEdgeId h = 0; h < found.size(); ++h) {
-    if (!isCrease(h)) continue;
-    found[h] = 1;
-    parents[rootOf(mesh.origin(h))] = rootOf(mesh.target(h));
-  }
-  std::vector<double> lengths(mesh.vertexCount(), 0.0);
-  glm::ivec3 farthest(0);
-  for (HalfEdgeId h = 0; h < found.size(); ++h) {
-    const glm::ivec3& p = positions[mesh.origin(h)];
-    farthest = glm::max(farthest, glm::abs(p - field.center()));
-    if (found[h] == 0) continue;
-    lengths[rootOf(mesh.origin(h))] +=
-        0.5 * glm::distance(glm::dvec3(p), glm::dvec3(positions[mesh.target(h)]));
-  }
-  const double shortest = kShortest * 2.0 * glm::length(glm::dvec3(farthest));
-  for (HalfEdgeId h = 0; h < found.size(); ++h) {
-    if (found[h] != 0 && lengths[rootOf(mesh.origin(h))] < shortest) found[h] = 0;
-  }
-  return found;
+bool isCreaseAt(const HalfEdgeMesh& mesh, std::span<const std::uint8_t> features, HalfEdgeId h) {
+  const HalfEdgeId twin = mesh.twins[h];
+  return twin != kNone && ((features[h] | features[twin]) & kFeatureCrease) != 0;
 }
 
 auto keyOf(const glm::vec3& p) {
@@ -72,15 +34,58 @@ void append(PolylineSet& set, const glm::vec3& point, HalfEdgeId h, FaceId f) {
 
 }  // namespace
 
+std::vector<std::uint8_t> withoutNoise(
+    const HalfEdgeMesh& mesh,
+    std::span<const glm::ivec3> positions,
+    std::span<const std::uint8_t> features) {
+  std::vector<std::uint8_t> kept(features.begin(), features.end());
+  if (features.size() != mesh.origins.size() || positions.empty()) return kept;
+  // Vertices joined by creases, as a forest: each points nearer to its root.
+  std::vector<std::uint32_t> parents(mesh.vertexCount());
+  for (std::uint32_t v = 0; v < parents.size(); ++v)
+    parents[v] = v;
+  const auto rootOf = [&](std::uint32_t v) {
+    while (parents[v] != v) {
+      parents[v] = parents[parents[v]];
+      v = parents[v];
+    }
+    return v;
+  };
+  const auto isCrease = [&](HalfEdgeId h) { return isCreaseAt(mesh, features, h); };
+  for (HalfEdgeId h = 0; h < kept.size(); ++h) {
+    if (isCrease(h)) parents[rootOf(mesh.origin(h))] = rootOf(mesh.target(h));
+  }
+  std::vector<double> lengths(mesh.vertexCount(), 0.0);
+  for (HalfEdgeId h = 0; h < kept.size(); ++h) {
+    if (!isCrease(h)) continue;  // met twice
+    const glm::dvec3 from(positions[mesh.origin(h)]);
+    lengths[rootOf(mesh.origin(h))] +=
+        0.5 * glm::distance(from, glm::dvec3(positions[mesh.target(h)]));
+  }
+  glm::ivec3 low = positions[0];
+  glm::ivec3 high = low;
+  for (const glm::ivec3& p : positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const double shortest = kShortest * glm::distance(glm::dvec3(low), glm::dvec3(high));
+  for (HalfEdgeId h = 0; h < kept.size(); ++h) {
+    if (isCrease(h) && lengths[rootOf(mesh.origin(h))] < shortest)
+      kept[h] = static_cast<std::uint8_t>(kept[h] & ~kFeatureCrease);
+  }
+  return kept;
+}
+
 CreaseContours::CreaseContours(const SilhouetteField& field, std::span<const std::uint8_t> features)
     : field_(field) {
   const HalfEdgeMesh& mesh = field.mesh();
   if (features.size() != mesh.origins.size() || field.kind() != SilhouetteKind::kSmooth) return;
-  const std::vector<std::uint8_t> isCrease = longCreases(field, features);
+  std::vector<std::uint8_t> isCrease(features.size(), 0);
   std::vector<std::uint8_t> creasesAt(mesh.vertexCount(), 0);
   bool hasCreases = false;
   for (HalfEdgeId h = 0; h < mesh.origins.size(); ++h) {
-    if (isCrease[h] == 0) continue;
+    if (!isCreaseAt(mesh, features, h)) continue;
+    isCrease[h] = 1;
     std::uint8_t& count = creasesAt[mesh.origin(h)];
     count = static_cast<std::uint8_t>(std::min(count + 1, 2));
     hasCreases = true;

@@ -16,6 +16,14 @@
 
 namespace limn {
 
+/// Features without the creases that are noise of a scan: those that, with all creases they are
+/// connected to, are short beside the mesh. features: one byte a half-edge, or none.
+/// Cost: O(half-edges).
+[[nodiscard]] std::vector<std::uint8_t> withoutNoise(
+    const HalfEdgeMesh& mesh,
+    std::span<const glm::ivec3> positions,
+    std::span<const std::uint8_t> features);
+
 /// Smooth silhouettes of a mesh with sharp edges. A normal averaged over a crease belongs to
 /// neither side, and its silhouette runs beside the edge that an illustrator would draw. Here every
 /// vertex on a crease has a normal for each of the smooth sectors that creases divide its faces
@@ -24,8 +32,8 @@ namespace limn {
 /// Refers to the field, which must be kSmooth and outlive it. Threads: one caller at a time.
 class CreaseContours {
  public:
-  /// features: one byte a half-edge (EdgeFeature), or none. Creases that are short all together,
-  /// as on noisy scans, divide nothing. Cost: O(half-edges).
+  /// features: one byte a half-edge (EdgeFeature), or none; without noise, else scans take long.
+  /// Cost: O(half-edges).
   CreaseContours(const SilhouetteField& field, std::span<const std::uint8_t> features);
 
   /// Whether no crease divides any vertex: chaining alone is then right.

@@ -18,8 +18,9 @@ TEST(Assets, TheBuildFindsItsTextureSets) {
   const auto assets = findAssets();
   ASSERT_TRUE(assets) << assets.error().message;
   const std::vector<std::string> styles = listStyles(*assets);
-  EXPECT_NE(std::find(styles.begin(), styles.end(), "ink"), styles.end());
-  EXPECT_NE(std::find(styles.begin(), styles.end(), "pencil"), styles.end());
+  for (const char* name : {"coloured-pencil", "felt-pen", "ink", "marker", "pencil", "technical"}) {
+    EXPECT_NE(std::find(styles.begin(), styles.end(), name), styles.end()) << name;
+  }
 }
 
 TEST(Assets, AChosenFolderWithoutStylesIsRefused) {
