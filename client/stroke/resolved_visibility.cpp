@@ -135,14 +135,16 @@ class ViewResolver {
     }
   }
 
-  [[nodiscard]] bool isBlocked(const glm::dvec3& p, ResolvedLines& out) const {
+  [[nodiscard]] bool isBlocked(const glm::dvec3& p, ResolvedLines& out) {
     ++out.rays;
     Ray ray;
     ray.origin = p;
     ray.direction = towardEye(p);
     ray.begin = kSkip / glm::length(ray.direction);
     if (!orthographic_) ray.end = 1.0;
-    return bvh_.isBlocked(ray, own_);
+    const std::uint32_t blocker = bvh_.findBlocker(ray, own_, lastBlocker_);
+    if (blocker != kNone) lastBlocker_ = blocker;
+    return blocker != kNone;
   }
 
   // Hidden by its own two faces, whatever else there is.
@@ -205,6 +207,7 @@ class ViewResolver {
   glm::dmat4 clipFromGrid_;
   LineCrossings crossings_;
   std::vector<std::uint8_t> isFront_;  // by face
+  std::uint32_t lastBlocker_ = kNone;  // what hides one piece often hides the next
   // Of the segment being resolved.
   std::vector<FaceId> own_;
   std::vector<double> cuts_;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace limn {
@@ -117,6 +118,20 @@ class ShearedRay {
   glm::dvec2 shear_{0.0};
 };
 
+/// Four numbers at once, in whatever registers the machine has (an extension of gcc and clang).
+using Lanes = float __attribute__((vector_size(16)));
+constexpr std::uint32_t kLanes = 4;
+
+Lanes load(const float* from) {
+  Lanes lanes;
+  std::memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+
+Lanes splat(float value) {
+  return value - Lanes{};
+}
+
 bool contains(std::span<const FaceId> faces, FaceId face) {
   return std::find(faces.begin(), faces.end(), face) != faces.end();
 }
@@ -222,7 +237,7 @@ double TriangleBvh::approach(const Ray& ray) const {
   return std::max(t, ray.begin);
 }
 
-/// onHit(hit) says how far the ray still matters: its new end.
+/// onHit(hit, place in triangles_) says how far the ray still matters: its new end.
 template <class OnHit>
 void TriangleBvh::traverse(const Ray& ray, OnHit onHit) const {
   if (nodes_.empty()) return;
@@ -253,20 +268,24 @@ void TriangleBvh::traverse(const Ray& ray, OnHit onHit) const {
   while (size > 0) {
     const Place place = stack[--size];
     const Node& node = nodes_[levelBegin_[place.level] + place.node];
-    float enter[kWidth];
-    float leave[kWidth];
-    std::fill_n(enter, kWidth, begin);
-    std::fill_n(leave, kWidth, static_cast<float>(end - start));
-    for (int axis = 0; axis < 3; ++axis) {
-      const float* nearSide = isDown[axis] ? node.high[axis] : node.low[axis];
-      const float* farSide = isDown[axis] ? node.low[axis] : node.high[axis];
-      for (std::uint32_t k = 0; k < kWidth; ++k) {
-        enter[k] = std::max(enter[k], (nearSide[k] - origin[axis]) * inverse[axis]);
-        leave[k] = std::min(leave[k], (farSide[k] - origin[axis]) * inverse[axis]);
+    std::array<bool, kWidth> isMet;
+    for (std::uint32_t first = 0; first < kWidth; first += kLanes) {
+      Lanes enter = splat(begin);
+      Lanes leave = splat(static_cast<float>(end - start));
+      for (int axis = 0; axis < 3; ++axis) {
+        const float* nearSide = isDown[axis] ? node.high[axis] : node.low[axis];
+        const float* farSide = isDown[axis] ? node.low[axis] : node.high[axis];
+        const Lanes in = (load(nearSide + first) - origin[axis]) * inverse[axis];
+        const Lanes out = (load(farSide + first) - origin[axis]) * inverse[axis];
+        enter = in > enter ? in : enter;
+        leave = out < leave ? out : leave;
       }
+      const auto met = enter <= leave;
+      for (std::uint32_t k = 0; k < kLanes; ++k)
+        isMet[first + k] = met[k] != 0;
     }
     for (std::uint32_t k = 0; k < kWidth; ++k) {
-      if (enter[k] > leave[k]) continue;
+      if (!isMet[k]) continue;
       const std::uint32_t child = place.node * kWidth + k;
       if (place.level > 0) {
         stack[size++] = {place.level - 1, child};
@@ -277,26 +296,33 @@ void TriangleBvh::traverse(const Ray& ray, OnHit onHit) const {
       for (std::size_t i = first; i < past; ++i) {
         const Meeting meeting = sheared.meet(triangles_[i].corners);
         if (!meeting.met || !(meeting.t > ray.begin) || meeting.t > end) continue;
-        end = std::min(end, onHit({triangles_[i].face, meeting.t, meeting.front}));
+        end = std::min(end, onHit({triangles_[i].face, meeting.t, meeting.front}, i));
         if (end <= ray.begin) return;
       }
     }
   }
 }
 
-bool TriangleBvh::isBlocked(const Ray& ray, std::span<const FaceId> except) const {
-  bool isHit = false;
-  traverse(ray, [&](const RayHit& hit) {
+std::uint32_t TriangleBvh::findBlocker(
+    const Ray& ray,
+    std::span<const FaceId> except,
+    std::uint32_t guess) const {
+  if (guess < triangles_.size() && !contains(except, triangles_[guess].face)) {
+    const Meeting meeting = ShearedRay(ray).meet(triangles_[guess].corners);
+    if (meeting.met && meeting.t > ray.begin && meeting.t < ray.end) return guess;
+  }
+  std::uint32_t blocker = kNone;
+  traverse(ray, [&](const RayHit& hit, std::size_t place) {
     if (hit.t >= ray.end || contains(except, hit.face)) return ray.end;
-    isHit = true;
+    blocker = static_cast<std::uint32_t>(place);
     return ray.begin;
   });
-  return isHit;
+  return blocker;
 }
 
 std::optional<RayHit> TriangleBvh::firstHit(const Ray& ray, std::span<const FaceId> except) const {
   RayHit first{kNone, ray.end, false};
-  traverse(ray, [&](const RayHit& hit) {
+  traverse(ray, [&](const RayHit& hit, std::size_t) {
     const bool isNearer = hit.t < first.t || (hit.t == first.t && hit.face < first.face);
     if (hit.t < ray.end && isNearer && !contains(except, hit.face)) first = hit;
     return first.t;
@@ -307,7 +333,7 @@ std::optional<RayHit> TriangleBvh::firstHit(const Ray& ray, std::span<const Face
 
 std::vector<RayHit> TriangleBvh::allHits(const Ray& ray) const {
   std::vector<RayHit> hits;
-  traverse(ray, [&](const RayHit& hit) {
+  traverse(ray, [&](const RayHit& hit, std::size_t) {
     if (hit.t < ray.end) hits.push_back(hit);
     return ray.end;
   });

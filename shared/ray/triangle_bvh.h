@@ -46,7 +46,14 @@ class TriangleBvh {
 
   /// Whether the ray meets any face that is not in `except`. Cost: about O(log faces); the quickest
   /// of the three.
-  [[nodiscard]] bool isBlocked(const Ray& ray, std::span<const FaceId> except = {}) const;
+  [[nodiscard]] bool isBlocked(const Ray& ray, std::span<const FaceId> except = {}) const {
+    return findBlocker(ray, except, kNone) != kNone;
+  }
+
+  /// The same for rays that come one beside another: what is in the way, to be handed to the next
+  /// ray as its guess, which is tried first; kNone when nothing is. Says nothing about which face.
+  [[nodiscard]] std::uint32_t
+  findBlocker(const Ray& ray, std::span<const FaceId> except, std::uint32_t guess) const;
 
   /// The face met first that is not in `except`; of two at one t, the one with the lower index.
   [[nodiscard]] std::optional<RayHit> firstHit(const Ray& ray, std::span<const FaceId> except = {})
