@@ -124,7 +124,7 @@ class ViewResolver {
     for (const double to : cuts_) {
       const glm::dvec3 middle = glm::mix(a, b, 0.5 * (from + to));
       const bool visible =
-          !isBlocked(isSmooth ? outside(lines_.faces[point], middle) : middle, out);
+          !isBlocked(isSmooth ? outside(lines_.faces[point], b - a, middle) : middle, out);
       const bool isFirst = out.pieces.size() == out.begin.back();
       if (!isFirst && out.pieces.back().visible == visible) {
         out.pieces.back().end = static_cast<float>(to);
@@ -181,15 +181,21 @@ class ViewResolver {
     }
   }
 
-  // A point on a smooth silhouette moved to where the mesh's own outline is: across the view, as
-  // far as the corners of its face stand out.
-  [[nodiscard]] glm::dvec3 outside(FaceId face, const glm::dvec3& p) const {
-    const glm::dvec3 view = glm::normalize(towardEye(p));
-    glm::dvec3 out = normal(face);
-    out -= glm::dot(out, view) * view;
+  // Across the view and the line, away from the surface; the zero vector where the line runs along
+  // the view.
+  [[nodiscard]] glm::dvec3 outward(FaceId face, const glm::dvec3& along, const glm::dvec3& p)
+      const {
+    const glm::dvec3 out = glm::cross(along, towardEye(p));
     const double length = glm::length(out);
-    if (!(length > 0.0)) return p;
-    out /= length;
+    if (!(length > 0.0)) return {};
+    return (glm::dot(out, normal(face)) < 0.0 ? -1.0 : 1.0) / length * out;
+  }
+
+  // A point on a smooth silhouette moved to where the mesh's own outline is: outwards, as far as
+  // the corners of its face stand out.
+  [[nodiscard]] glm::dvec3 outside(FaceId face, const glm::dvec3& along, const glm::dvec3& p)
+      const {
+    const glm::dvec3 out = outward(face, along, p);
     double height = 0.0;
     for (HalfEdgeId h = 3 * face; h < 3 * face + 3; ++h)
       height = std::max(height, glm::dot(corner(h) - p, out));
