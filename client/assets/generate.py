@@ -64,12 +64,12 @@ def smoothstep(low, high, x):
     return t * t * (3 - 2 * t)
 
 
-def dashes(seed, count, share, uneven):
-    """Dashes of uneven length round the repeat: [(begin, end)] in texels, gaps between them."""
+def dashes(seed, count, share, uneven, start=0.0):
+    """Dashes of uneven length round the repeat: [(begin, end)] in texels from start on, gaps between them."""
     rng = random.Random(seed)
     periods = [1 + rng.uniform(-uneven, uneven) for _ in range(count)]
     scale = WIDTH / sum(periods)
-    at, result = 0.0, []
+    at, result = start, []
     for period in periods:
         length = period * scale
         ink = length * share * (1 + rng.uniform(-uneven, uneven) * 0.4)
@@ -243,7 +243,7 @@ def main():
         ("ink", ink_pen, 200, dict(count=20, share=0.58, uneven=0.07)),
         ("coloured-pencil", coloured_pencil, 300, dict(count=15, share=0.60, uneven=0.18)),
         ("felt-pen", felt_pen, 400, dict(count=16, share=0.52, uneven=0.10)),
-        ("marker", marker, 500, dict(count=11, share=0.58, uneven=0.06)),
+        ("marker", marker, 500, dict(count=11, share=0.58, uneven=0.06, start=30.0)),
         ("technical", technical, 600, dict(count=16, share=0.66, uneven=0.0)),
     ):
         (folder / name).mkdir(parents=True, exist_ok=True)

@@ -164,7 +164,7 @@ TEST_P(RendererOn, WhatCannotBeDrawnIsRefusedWithAReason) {
   auto frame = renderer->render(cube, {}, camera, options);
   ASSERT_FALSE(frame);
   EXPECT_EQ(frame.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_NE(frame.error().message.find("ink, pencil"), std::string::npos) << frame.error().message;
+  EXPECT_NE(frame.error().message.find("ink, marker"), std::string::npos) << frame.error().message;
   for (const Viewport viewport : {Viewport{0, 64}, Viewport{64, -1}, Viewport{1 << 20, 64}}) {
     options = inkAt(64);
     options.viewport = viewport;
