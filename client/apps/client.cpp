@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/render_command.h"
 #include "client/apps/render_options.h"
+#include "client/apps/sweep_command.h"
 
 #include <cstdio>
 #include <string>
@@ -21,11 +22,12 @@ int complain(const limn::Error& error, int status) {
 int main(int argc, char** argv) {
   const auto commandLine = limn::parseCommandLine(std::vector<std::string>(argv + 1, argv + argc));
   if (!commandLine) return complain(commandLine.error(), kWrongUsage);
-  if (!commandLine->render) {
+  if (!commandLine->render && !commandLine->sweep) {
     std::fputs(commandLine->print.c_str(), stdout);
     return 0;
   }
-  const auto done = limn::runRender(*commandLine->render);
+  const auto done = commandLine->sweep ? limn::runSweep(*commandLine->sweep)
+                                       : limn::runRender(*commandLine->render);
   if (done) return 0;
   // A style that does not exist, a camera file that is none: usage, noticed late.
   const bool usage = done.error().code == limn::ErrorCode::kInvalidArgument;

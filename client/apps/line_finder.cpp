@@ -83,11 +83,16 @@ LineFinder::LineFinder(
     : snapshot_(std::move(snapshot)),
       light_(options.light),
       field_(snapshot_->mesh.mesh(), snapshot_->mesh.positions(), options.silhouette) {
-  DetectorOptions detector;
+  DetectorOptions detector = options.parameters;
   detector.seeds = snapshot_->seeds.get();
   detector.slotOf = [&mesh = snapshot_->mesh](VertexId v) {
     return mesh.holds(v) ? mesh.slotOf(v) : kNone;
   };
+  if (options.imageSeeds) {
+    detector.imageFaces = [this, find = options.imageSeeds](const SilhouetteView&) {
+      return find(*snapshot_, camera_);
+    };
+  }
   detector_ = makeDetector(options.detector, field_, detector);
   const std::vector<std::uint8_t> features =
       withoutNoise(snapshot_->mesh.mesh(), snapshot_->mesh.positions(), snapshot_->mesh.features());
@@ -161,7 +166,8 @@ double LineFinder::recallFrom(const Camera& camera) {
   return recall(detector_->detect(view), brute->detect(view));
 }
 
-SilhouetteView LineFinder::viewOf(const Camera& camera) const {
+SilhouetteView LineFinder::viewOf(const Camera& camera) {
+  camera_ = camera;
   SilhouetteView view;
   if (light_) {
     view.eye = snapshot_->model.grid.fromModel(*light_);

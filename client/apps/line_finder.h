@@ -11,11 +11,16 @@
 #include "shared/silhouette/detector.h"
 #include "shared/silhouette/field.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace limn {
+
+/// Faces under the edges of a picture of the mesh from there; valid until the next call.
+using ImageSeedFinder = std::function<std::span<const FaceId>(const MeshSnapshot&, const Camera&)>;
 
 struct LineFinderOptions {
   DetectorMethod detector = DetectorMethod::kExact;
@@ -23,6 +28,8 @@ struct LineFinderOptions {
   FeatureChoice features;
   /// Model coordinates. Set: silhouettes are those that a light there sees, whatever the camera.
   std::optional<glm::dvec3> light = std::nullopt;
+  DetectorOptions parameters = {};  // of the detector; seeds are the snapshot's
+  ImageSeedFinder imageSeeds = {};  // of the image detector
 };
 
 /// All lines of one snapshot from one view after another. Threads: one at a time.
@@ -47,10 +54,11 @@ class LineFinder {
 
  private:
   void appendFeatures(const PolylineSet& silhouettes, PolylineSet& lines);
-  [[nodiscard]] SilhouetteView viewOf(const Camera& camera) const;
+  [[nodiscard]] SilhouetteView viewOf(const Camera& camera);
 
   std::shared_ptr<const MeshSnapshot> snapshot_;
   std::optional<glm::dvec3> light_;
+  Camera camera_;  // of the present search
   SilhouetteField field_;
   std::unique_ptr<SilhouetteDetector> detector_;
   SilhouetteChainer chainer_;

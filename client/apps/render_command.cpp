@@ -10,11 +10,13 @@
 #include "client/apps/report.h"
 #include "client/apps/source.h"
 #include "client/apps/svg_file.h"
+#include "client/apps/watch_session.h"
 #include "client/core/client_session.h"
 #include "client/pose/camera_file.h"
 #include "client/pose/orbit_path.h"
 #include "client/render/assets.h"
 #include "client/render/image_io.h"
+#include "client/render/image_seeds.h"
 #include "client/render/renderer.h"
 #include "client/stroke/resolved_visibility.h"
 
@@ -26,10 +28,6 @@
 
 namespace limn {
 namespace {
-
-constexpr std::uint64_t kWaitSliceMs = 200;
-/// Only finished states are drawn here, so none on the way is worth a copy.
-constexpr std::uint64_t kNeverMs = std::uint64_t{1} << 48;
 
 protocol::Goal goalOf(const StopCondition& until) {
   if (until.kind != StopCondition::Kind::kState) return protocol::Goal::kSettled;
@@ -77,36 +75,6 @@ viewOf(const RenderCommandOptions& options, const StopCondition& until, const Ca
                                                                  : protocol::Silhouette::kSmooth;
   view.goal = goalOf(until);
   return view;
-}
-
-/// Waits in slices, so that an interrupt is noticed and progress is shown.
-template <class Wait>
-auto watch(ClientSession& session, ProgressLine& progress, Wait wait) -> decltype(wait(0)) {
-  while (true) {
-    auto result = wait(kWaitSliceMs);
-    const bool running = session.isRunning();
-    if (!result && !running) result = wait(0);  // it may have ended between the two
-    if (result || result.error().code != ErrorCode::kUnavailable || !running) {
-      progress.clear();
-      return result;
-    }
-    if (interrupted()) {
-      progress.clear();
-      return fail(ErrorCode::kCancelled, "stopped on request");
-    }
-    progress.show(session.progress());
-  }
-}
-
-/// Streams a whole asset from the beginning to its end.
-Result<SessionOutcome> loadWhole(const Source& source) {
-  ClientSession::Options options;
-  options.session.model = source.model;
-  options.session.stop.state = MeshState::kComplete;
-  options.publishEveryMs = kNeverMs;
-  ClientSession session(source.connect, options);
-  ProgressLine progress;
-  return watch(session, progress, [&](std::uint64_t ms) { return session.waitUntilDone(ms); });
 }
 
 /// The renderer, made when it is first needed.
@@ -187,7 +155,12 @@ class LineResolver {
 };
 
 LineFinderOptions lineOptions(const RenderCommandOptions& options) {
-  return {options.detector, options.silhouette, options.features, options.light};
+  return {
+      options.detector,
+      options.silhouette,
+      options.features,
+      options.light,
+      options.detectorParameters};
 }
 
 Result<ContourError> checkAgainstReference(
@@ -233,7 +206,14 @@ class Drawing {
 
   Result<void> drawFrame(const Camera& camera, std::uint32_t index) {
     if (!finder_) {
-      finder_.emplace(outcome_.snapshot, lineOptions(options_));
+      LineFinderOptions lines = lineOptions(options_);
+      if (options_.detector == DetectorMethod::kImage) {
+        if (auto ok = makeImageSeeds(); !ok) return ok;
+        lines.imageSeeds = [this](const MeshSnapshot& snapshot, const Camera& from) {
+          return imageSeeds_->find(snapshot, from);
+        };
+      }
+      finder_.emplace(outcome_.snapshot, lines);
       // Working memory grows on first use; the frames timed are those of a view that is going on.
       static_cast<void>(finder_->find(camera));
     }
@@ -324,8 +304,17 @@ class Drawing {
     return {};
   }
 
+  Result<void> makeImageSeeds() {
+    if (imageSeeds_) return {};
+    auto made = ImageSeeds::create(options_.gl, {.viewport = options_.viewport});
+    if (!made) return tl::unexpected(made.error());
+    imageSeeds_.emplace(*std::move(made));
+    return {};
+  }
+
   const RenderCommandOptions& options_;
   const std::string modelName_;
+  std::optional<ImageSeeds> imageSeeds_;
   Painter painter_;
   SessionOutcome outcome_;
   std::optional<LineFinder> finder_;
@@ -373,14 +362,14 @@ Result<void> runRender(const RenderCommandOptions& options) {
   ProgressLine progress;
 
   const auto model =
-      watch(session, progress, [&](std::uint64_t ms) { return session.waitForModel(ms); });
+      watchSession(session, progress, [&](std::uint64_t ms) { return session.waitForModel(ms); });
   if (!model) return tl::unexpected(model.error());
   const auto path = cameras(options, *model);
   if (!path) return tl::unexpected(path.error());
   session.setView(viewOf(options, until, path->front()));
 
   const auto reach = [&] {
-    return watch(session, progress, [&](std::uint64_t ms) {
+    return watchSession(session, progress, [&](std::uint64_t ms) {
       return follows ? session.waitForState(until.state, ms) : session.waitUntilDone(ms);
     });
   };

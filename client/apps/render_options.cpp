@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/render_options.h"
 
+#include "client/apps/detector_flags.h"
+#include "client/apps/sweep_options.h"
 #include "client/net/server_url.h"
 
 #include "protocol/limits.h"
@@ -11,6 +13,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <memory>
 #include <sstream>
 #include <string_view>
 
@@ -53,11 +56,15 @@ struct RawFlags {
   std::optional<double> fov, width, brushAmplitude, brushFrequency;
   double widthFalloff = 0.0;
   std::uint32_t brushSeed = 1;
+  DetectorFlags detectorFlags;
 };
 
 /// Flags of commands whose feature is not there yet: known, so that the answer is a clear one.
-constexpr std::array<const char*, 5> kLaterFlags =
-    {"--hull-faces", "--contours", "--dump-hull", "--dump-inner-hull", "--plot"};
+constexpr std::array<const char*, 4> kLaterFlags = {
+    "--hull-faces",
+    "--contours",
+    "--dump-hull",
+    "--dump-inner-hull"};
 
 Result<void> understandStrokes(const RawFlags& raw, RenderCommandOptions& options) {
   const auto kind = parseBrushKind(raw.brush);
@@ -103,7 +110,9 @@ Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& option
         " is unknown: write exact, brute, cones, random, coherence-a, coherence-b, image or "
         "precomputed");
   }
-  if (options.detector == DetectorMethod::kImage) return later("--detector image");
+  const auto parameters = raw.detectorFlags.parse();
+  if (!parameters) return tl::unexpected(parameters.error());
+  options.detectorParameters = *parameters;
   if (raw.silhouette == "edges") {
     options.silhouette = SilhouetteKind::kEdges;
   } else if (raw.silhouette != "smooth") {
@@ -113,6 +122,9 @@ Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& option
     const auto light = parseLight(raw.light);
     if (!light) return tl::unexpected(light.error());
     options.light = *light;
+    if (options.detector == DetectorMethod::kImage) {
+      return wrong("--detector image looks with the camera: give --light another detector");
+    }
   }
   if (auto ok = understandStrokes(raw, options); !ok) return ok;
   const auto features = parseFeatures(raw.features);
@@ -179,27 +191,6 @@ Result<void> understandView(const RawFlags& raw, RenderCommandOptions& options) 
   return {};
 }
 
-Result<void> checkSource(const SourceOptions& source) {
-  const int sources = (source.serverUrl.empty() ? 0 : 1) + (source.assetDirectory.empty() ? 0 : 1) +
-                      (source.meshFile.empty() ? 0 : 1);
-  if (sources != 1) {
-    return wrong(
-        "give one source: --server URL --model NAME, or --asset DIRECTORY, or --mesh FILE");
-  }
-  if (source.serverUrl.empty()) {
-    if (!source.model.empty()) return wrong("--model goes with --server");
-    if (!source.tokenFile.empty()) return wrong("--token-file goes with --server");
-    if (!source.caFile.empty()) return wrong("--ca-file goes with --server");
-    return {};
-  }
-  if (const auto url = parseServerUrl(source.serverUrl); !url) return tl::unexpected(url.error());
-  if (source.model.empty()) return wrong("--server needs --model NAME");
-  if (!protocol::isValidModelName(source.model)) {
-    return wrong("--model is no name that a model can have");
-  }
-  return {};
-}
-
 void addRender(
     CLI::App& app,
     RenderCommandOptions& o,
@@ -239,7 +230,7 @@ void addRender(
   app.add_option(
       "--detector",
       raw.detector,
-      "exact|brute|cones|random|coherence-a|coherence-b|precomputed");
+      "exact|brute|cones|random|coherence-a|coherence-b|image|precomputed");
   app.add_option("--silhouette", raw.silhouette, "smooth|edges");
   app.add_option("--light", raw.light, "X,Y,Z: silhouettes as a light there sees them");
   app.add_option("--features", raw.features, "crease,border,seam or none");
@@ -275,6 +266,8 @@ void addRender(
   app.add_flag("--check", o.check, "Measure recall against brute force, and contour errors");
   path("--reference", o.reference, "Asset directory to compare contours with, for --check");
 
+  raw.detectorFlags.addTo(app);
+
   for (const char* flag : kLaterFlags) {
     app.add_option_function<std::string>(
            flag,
@@ -284,6 +277,27 @@ void addRender(
 }
 
 }  // namespace
+
+Result<void> checkSource(const SourceOptions& source) {
+  const int sources = (source.serverUrl.empty() ? 0 : 1) + (source.assetDirectory.empty() ? 0 : 1) +
+                      (source.meshFile.empty() ? 0 : 1);
+  if (sources != 1) {
+    return wrong(
+        "give one source: --server URL --model NAME, or --asset DIRECTORY, or --mesh FILE");
+  }
+  if (source.serverUrl.empty()) {
+    if (!source.model.empty()) return wrong("--model goes with --server");
+    if (!source.tokenFile.empty()) return wrong("--token-file goes with --server");
+    if (!source.caFile.empty()) return wrong("--ca-file goes with --server");
+    return {};
+  }
+  if (const auto url = parseServerUrl(source.serverUrl); !url) return tl::unexpected(url.error());
+  if (source.model.empty()) return wrong("--server needs --model NAME");
+  if (!protocol::isValidModelName(source.model)) {
+    return wrong("--model is no name that a model can have");
+  }
+  return {};
+}
 
 Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) {
   RenderCommandOptions options;
@@ -300,9 +314,10 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
   render->footer(kExamples);
   addRender(*render, options, raw, asked);
   CLI::App* view = app.add_subcommand("view", "Show a model in a window");
+  view->allow_extras()->group("");
   CLI::App* sweep = app.add_subcommand("sweep", "Compare detectors over a camera path");
-  for (CLI::App* notYet : {view, sweep})
-    notYet->allow_extras()->group("");
+  SweepFlags sweepFlags;
+  sweepFlags.addTo(*sweep);
 
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
@@ -311,15 +326,22 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
     std::ostringstream text;
     std::ostringstream ignored;
     app.exit(done, text, ignored);
-    return CommandLine{std::nullopt, text.str()};
+    return CommandLine{std::nullopt, nullptr, text.str()};
   } catch (const CLI::ParseError& error) {
     std::string what = error.what();
     std::replace(what.begin(), what.end(), '\n', ' ');
     if (arguments.empty()) what = "say what to do, for instance render";
-    return wrong(what + "; limn-client render --help has the flags and examples");
+    const std::string command = sweep->parsed() ? "sweep" : "render";
+    return wrong(what + "; limn-client " + command + " --help has the flags and examples");
   }
   if (view->parsed()) return later("limn-client view");
-  if (sweep->parsed()) return later("limn-client sweep");
+  if (sweep->parsed()) {
+    auto parsed = sweepFlags.parse();
+    if (!parsed) return tl::unexpected(parsed.error());
+    CommandLine line;
+    line.sweep = std::make_shared<const SweepCommandOptions>(std::move(*parsed));
+    return line;
+  }
   if (!asked.empty()) return later(asked.front());
 
   if (auto ok = checkSource(options.source); !ok) return tl::unexpected(ok.error());
@@ -330,7 +352,7 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
       options.dumpMesh.empty() && options.dumpLines.empty()) {
     return wrong("nothing to write: give --out, --svg, --report, --dump-mesh or --dump-lines");
   }
-  return CommandLine{std::move(options), {}};
+  return CommandLine{std::move(options), nullptr, {}};
 }
 
 Result<StopCondition> parseUntil(const std::string& text) {

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,6 +54,7 @@ struct RenderCommandOptions {
   DrawMode draw = DrawMode::kStrokes;
   std::string detectorName = "exact";  // as reported
   DetectorMethod detector = DetectorMethod::kExact;
+  DetectorOptions detectorParameters;
   SilhouetteKind silhouette = SilhouetteKind::kSmooth;
   std::optional<glm::dvec3> light;  // model coordinates; unset: silhouettes are the eye's
   FeatureChoice features;
@@ -77,14 +79,20 @@ struct RenderCommandOptions {
   std::filesystem::path reference;  // an asset directory to compare contours with
 };
 
-/// What the command line asks for.
+struct SweepCommandOptions;
+
+/// What the command line asks for: one of the three.
 struct CommandLine {
   std::optional<RenderCommandOptions> render;
+  std::shared_ptr<const SweepCommandOptions> sweep;
   std::string print;  // help or version: goes to stdout, and that is all
 };
 
 /// Errors: kInvalidArgument and kUnsupported, in one line that says what to write instead.
 [[nodiscard]] Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments);
+
+/// Whether exactly one source is given, with what goes with it. Errors: kInvalidArgument.
+[[nodiscard]] Result<void> checkSource(const SourceOptions& source);
 
 /// Parses `base|settled|exact|complete|bytes:N|seconds:S`.
 [[nodiscard]] Result<StopCondition> parseUntil(const std::string& text);

@@ -75,7 +75,8 @@ TEST(RenderOptions, EveryDetectorHasItsName) {
   for (const auto& [name, method] :
        {std::pair{"random", DetectorMethod::kRandom},
         std::pair{"coherence-a", DetectorMethod::kCoherenceA},
-        std::pair{"coherence-b", DetectorMethod::kCoherenceB}}) {
+        std::pair{"coherence-b", DetectorMethod::kCoherenceB},
+        std::pair{"image", DetectorMethod::kImage}}) {
     const auto line = parse(std::string("render --asset a --out x.png --detector ") + name);
     ASSERT_TRUE(line) << name;
     EXPECT_EQ(line->render->detector, method);
@@ -94,6 +95,28 @@ TEST(RenderOptions, ALightIsThreeNumbers) {
     ASSERT_FALSE(parsed) << light;
     EXPECT_EQ(parsed.error().code, ErrorCode::kInvalidArgument) << light;
   }
+}
+
+TEST(RenderOptions, DetectorsTakeTheirParameters) {
+  const auto line = parse(
+      "render --asset a --out x.png --random-share 0.2 --random-sharp --random-walk 7 --rings 3 "
+      "--follow-motion --history 5 --reseed-every 10 --reseed-below 0.8 --reseed-with random "
+      "--seed-viewpoints 2 --seed-walk 9");
+  ASSERT_TRUE(line) << line.error().message;
+  const DetectorOptions& o = line->render->detectorParameters;
+  EXPECT_EQ(o.random.fraction, 0.2);
+  EXPECT_TRUE(o.random.sortByDihedral);
+  EXPECT_EQ(o.random.searchSteps, 7);
+  EXPECT_EQ(o.coherence.rings, 3);
+  EXPECT_TRUE(o.coherence.followMotion);
+  EXPECT_EQ(o.coherence.longestHistory, 5);
+  EXPECT_EQ(o.coherence.reseedEvery, 10);
+  EXPECT_EQ(o.coherence.reseedBelow, 0.8);
+  EXPECT_EQ(o.coherence.reseedWith, DetectorMethod::kRandom);
+  EXPECT_EQ(o.seedViewpoints, 2);
+  EXPECT_EQ(o.seedSearchSteps, 9);
+  EXPECT_FALSE(parse("render --asset a --out x.png --random-share 2"));
+  EXPECT_FALSE(parse("render --asset a --out x.png --reseed-with cones"));
 }
 
 TEST(RenderOptions, HelpHasExamplesAndVersionANumber) {
@@ -161,10 +184,8 @@ TEST(RenderOptions, WrongUsageGetsOneLine) {
 TEST(RenderOptions, WhatComesLaterIsSaidSo) {
   for (const char* line :
        {"view --asset a",
-        "sweep --asset a --frames 400",
         "render --asset a --out x.png --draw clip",
         "render --asset a --out x.png --draw image-precision:charcoal",
-        "render --asset a --out x.png --detector image",
         "render --asset a --out x.png --hull-faces 500"}) {
     const auto parsed = parse(line);
     ASSERT_FALSE(parsed) << line;

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/sweep_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <sstream>
+
+namespace limn {
+namespace {
+
+constexpr char kExamples[] = R"(
+Examples:
+  limn-client sweep --mesh horse.ply --csv horse.csv --plot horse.svg
+  limn-client sweep --mesh torus-2304.off --mesh torus-8192.ply --detectors brute,cones,random
+    --frames 400 --csv tori.csv --plot tori.svg
+)";
+
+tl::unexpected<Error> wrong(const std::string& message) {
+  return fail(ErrorCode::kInvalidArgument, message);
+}
+
+}  // namespace
+
+void SweepFlags::addTo(CLI::App& app) {
+  app.footer(kExamples);
+  constexpr char kSource[] = "Source (one of three)";
+  app.add_option("--server", server_.serverUrl, "Server to stream from, ws://HOST:PORT")
+      ->group(kSource);
+  app.add_option("--model", server_.model, "Name of the model on the server")->group(kSource);
+  app.add_option("--token-file", server_.tokenFile, "File with the token that the server asks for")
+      ->group(kSource);
+  app.add_option("--ca-file", server_.caFile, "Certificates (PEM) to trust for wss://")
+      ->group(kSource);
+  app.add_option("--asset", assets_, "Directories of prepared assets")->group(kSource);
+  app.add_option("--mesh", meshes_, "Mesh files, prepared into a temporary store")->group(kSource);
+  app.add_option("--quantization", quantizationBits_, "Grid bits for --mesh")
+      ->check(CLI::Range(11, 18))
+      ->group(kSource);
+  app.add_option("--frames", options_.frames, "Frames once around the model (400)")
+      ->check(CLI::Range(2U, 100'000U));
+  app.add_option("--rounds", options_.rounds, "Sweeps; each frame's best time counts (1)")
+      ->check(CLI::Range(1U, 100U));
+  app.add_option("--detectors", detectors_, "all, or names between commas (all)");
+  app.add_option("--silhouette", silhouette_, "smooth|edges");
+  app.add_option("--light", light_, "X,Y,Z: silhouettes as a light there sees them");
+  app.add_option("--camera", camera_, "orbit:AZIMUTH,ELEVATION[,DISTANCE] of the first frame");
+  app.add_option("--fov", options_.fovDegrees, "Vertical angle of view, degrees (40)")
+      ->check(CLI::Range(1.0, 170.0));
+  app.add_flag("--ortho", options_.orthographic, "Orthographic");
+  app.add_option("--size", size_, "Size of the image detector's pictures (1024x1024)");
+  app.add_option("--gl", gl_, "egl|osmesa, for the image detector");
+  app.add_option("--csv", options_.csv, "Table: a row a mesh, detector and frame");
+  app.add_option("--plot", options_.plot, "Plots (SVG)");
+  detectorFlags_.addTo(app);
+}
+
+Result<SweepCommandOptions> SweepFlags::parse() const {
+  SweepCommandOptions options = options_;
+  for (const std::string& mesh : meshes_) {
+    SourceOptions source;
+    source.meshFile = mesh;
+    source.quantizationBits = quantizationBits_;
+    options.sources.push_back(source);
+  }
+  for (const std::string& asset : assets_) {
+    SourceOptions source;
+    source.assetDirectory = asset;
+    options.sources.push_back(source);
+  }
+  if (options.sources.empty() || !server_.serverUrl.empty() || !server_.model.empty()) {
+    if (!options.sources.empty()) {
+      return wrong("give --mesh and --asset, or --server and --model, not both");
+    }
+    options.sources.push_back(server_);
+  }
+  for (const SourceOptions& source : options.sources) {
+    if (auto ok = checkSource(source); !ok) return tl::unexpected(ok.error());
+  }
+  const auto detectors = parseDetectors(detectors_);
+  if (!detectors) return tl::unexpected(detectors.error());
+  options.detectors = *detectors;
+  const auto parameters = detectorFlags_.parse();
+  if (!parameters) return tl::unexpected(parameters.error());
+  options.parameters = *parameters;
+  if (silhouette_ == "edges") {
+    options.silhouette = SilhouetteKind::kEdges;
+  } else if (silhouette_ != "smooth") {
+    return wrong("--silhouette " + silhouette_ + " is unknown: write smooth or edges");
+  }
+  if (!light_.empty()) {
+    const auto light = parseLight(light_);
+    if (!light) return tl::unexpected(light.error());
+    options.light = *light;
+  }
+  if (!camera_.empty()) {
+    const auto orbit = parseOrbit(camera_);
+    if (!orbit) return tl::unexpected(orbit.error());
+    options.orbit = *orbit;
+  }
+  if (!size_.empty()) {
+    const auto size = parseSize(size_);
+    if (!size) return tl::unexpected(size.error());
+    options.viewport = *size;
+  }
+  const auto gl = parseGlBackend(gl_);
+  if (!gl) return tl::unexpected(gl.error());
+  options.gl = *gl;
+  return options;
+}
+
+Result<std::vector<DetectorMethod>> parseDetectors(const std::string& text) {
+  const auto all = allDetectors();
+  if (text == "all") return std::vector<DetectorMethod>(all.begin(), all.end());
+  std::vector<DetectorMethod> detectors;
+  std::istringstream list(text + ",");
+  std::string name;
+  while (std::getline(list, name, ',')) {
+    const auto method = detectorFromName(name);
+    if (!method) {
+      std::string known;
+      for (const DetectorMethod m : all)
+        known += std::string(known.empty() ? "" : ",") + std::string(detectorName(m));
+      return wrong("--detectors " + text + " is unknown: write all, or some of " + known);
+    }
+    if (std::find(detectors.begin(), detectors.end(), *method) == detectors.end()) {
+      detectors.push_back(*method);
+    }
+  }
+  return detectors;
+}
+
+}  // namespace limn

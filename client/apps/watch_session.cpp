@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/watch_session.h"
+
+namespace limn {
+
+Result<SessionOutcome> loadWhole(const Source& source) {
+  ClientSession::Options options;
+  options.session.model = source.model;
+  options.session.stop.state = MeshState::kComplete;
+  options.publishEveryMs = kNeverMs;
+  ClientSession session(source.connect, options);
+  ProgressLine progress;
+  return watchSession(session, progress, [&](std::uint64_t ms) {
+    return session.waitUntilDone(ms);
+  });
+}
+
+}  // namespace limn
