@@ -21,7 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Part of every asset's id: raised when preparation gives other bytes for the same input.
-constexpr char kFormatVersion[] = "limn-asset-3";
+constexpr char kFormatVersion[] = "limn-asset-4";
 
 class Stopwatch {
  public:

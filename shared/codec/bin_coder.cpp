@@ -6,9 +6,6 @@
 
 #include <draco/compression/entropy/ans.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace limn {
 
 void BinWriter::finish(std::vector<std::uint8_t>& bytes) const {
@@ -38,17 +35,6 @@ BinReader::BinReader(std::span<const Probability> table, std::span<const std::ui
   state_ = state + kLow;
   left_ = bytes.size() - length;
   valid_ = true;
-}
-
-std::vector<Probability> BinCounter::probabilities() const {
-  std::vector<Probability> result;
-  result.reserve(counts_.size());
-  for (const auto& [zeros, ones] : counts_) {
-    // One of each is assumed seen: a bit that never came on this model can still be coded.
-    const double share = (zeros + 0.4) / (static_cast<double>(zeros) + ones + 0.8);
-    result.push_back(static_cast<Probability>(std::clamp(std::lround(256.0 * share), 1L, 255L)));
-  }
-  return result;
 }
 
 }  // namespace limn

@@ -145,7 +145,8 @@ class BinCounter {
     return value;
   }
 
-  [[nodiscard]] std::vector<Probability> probabilities() const;
+  /// How many zeros and ones came in each context.
+  [[nodiscard]] std::span<const std::array<std::uint32_t, 2>> counts() const { return counts_; }
 
  private:
   std::vector<std::array<std::uint32_t, 2>> counts_;

@@ -5,11 +5,13 @@
 #include "shared/codec/split_codec.h"
 
 #include "shared/codec/bin_coder.h"
+#include "shared/codec/default_model.h"
 #include "shared/codec/split_syntax.h"
 #include "shared/codec/varint.h"
 #include "shared/core/assert.h"
 
 #include <cmath>
+#include <iterator>
 #include <string>
 
 namespace limn {
@@ -180,81 +182,147 @@ std::vector<VertexId> splitsOfView(const SplitForest& forest, const glm::vec3& t
   return ids;
 }
 
-}  // namespace
-
-SplitModel trainSplitModel(const SplitForest& forest, const LevelFronts& fronts) {
-  SplitModel model;
-  model.weights = fitWeights(forest);
+// Zeros and ones of each context over all levels and two views.
+BinCounter countBits(const SplitForest& forest, const LevelFronts& fronts, const Weights& weights) {
   BinCounter counter(kContexts);
   for (std::uint32_t level = 1; level < forest.levelCount(); ++level) {
     encodeLevelRun(
         counter,
         forest,
-        model.weights,
+        weights,
         fronts[level],
         forest.levelBegin[level],
         forest.levelBegin[level + 1]);
   }
   for (const glm::vec3& toEye : {glm::vec3(0, 0, 1), glm::vec3(0.8F, 0.6F, 0)}) {
-    encodeAnyRun(counter, forest, model.weights, splitsOfView(forest, toEye));
+    encodeAnyRun(counter, forest, weights, splitsOfView(forest, toEye));
   }
-  model.probabilities = counter.probabilities();
+  return counter;
+}
+
+// Probability of a zero as counted. One of each is assumed seen: a bit that never came on this
+// model can still be coded.
+Probability probabilityOf(const std::array<std::uint32_t, 2>& counts) {
+  const double share = (counts[0] + 0.4) / (static_cast<double>(counts[0]) + counts[1] + 0.8);
+  return static_cast<Probability>(std::clamp(std::lround(256.0 * share), 1L, 255L));
+}
+
+// Bits lost a bit coded while a context that should start from `own` starts from `other`.
+double loss(Probability own, Probability other) {
+  const double p = own / 256.0;
+  const double q = other / 256.0;
+  return p * std::log2(p / q) + (1.0 - p) * std::log2((1.0 - p) / (1.0 - q));
+}
+
+std::uint32_t zigzag(std::int32_t value) {
+  return static_cast<std::uint32_t>(value) << 1 ^ static_cast<std::uint32_t>(value >> 31);
+}
+
+std::int64_t unzigzag(std::uint32_t value) {
+  return (value & 1) != 0 ? -static_cast<std::int64_t>(value >> 1) - 1 : value >> 1;
+}
+
+constexpr std::int64_t kMaxWeight = 4096;
+
+}  // namespace
+
+const SplitModel& defaultSplitModel() {
+  static const SplitModel kModel = [] {
+    SplitModel model{{}, kDefaultWeights};
+    model.probabilities.reserve(kContexts);
+    for (std::size_t i = 0; i < std::size(kDefaultTable); ++i) {
+      // A zero announces a run.
+      const bool isRun = kDefaultTable[i] == 0;
+      const std::size_t times = isRun ? kDefaultTable[i + 2] : 1;
+      model.probabilities.insert(
+          model.probabilities.end(),
+          times,
+          kDefaultTable[isRun ? i + 1 : i]);
+      if (isRun) i += 2;
+    }
+    model.probabilities.resize(kContexts, 128);
+    return model;
+  }();
+  return kModel;
+}
+
+SplitModel measureSplitModel(const SplitForest& forest, const LevelFronts& fronts) {
+  SplitModel model;
+  model.weights = fitWeights(forest);
+  const BinCounter counter = countBits(forest, fronts, model.weights);
+  for (const auto& counts : counter.counts())
+    model.probabilities.push_back(probabilityOf(counts));
+  return model;
+}
+
+SplitModel trainSplitModel(const SplitForest& forest, const LevelFronts& fronts) {
+  // A run finds a context's probability by itself after some tens of bits, so the universal one is
+  // replaced only where runs lose more until then than it takes to say so.
+  constexpr double kBitsToLearn = 48.0;
+  constexpr double kLeastGain = 64.0;
+  constexpr std::uint32_t kRunSplits = 4096;
+  SplitModel model = defaultSplitModel();
+  model.weights = fitWeights(forest);
+  const BinCounter counter = countBits(forest, fronts, model.weights);
+  const double runs = forest.levelCount() + forest.splitCount() / kRunSplits;
+  for (std::uint32_t c = 0; c < kContexts; ++c) {
+    const auto& counts = counter.counts()[c];
+    const Probability own = probabilityOf(counts);
+    const double bits = std::min(static_cast<double>(counts[0]) + counts[1], kBitsToLearn * runs);
+    if (bits * loss(own, model.probabilities[c]) > kLeastGain) model.probabilities[c] = own;
+  }
   return model;
 }
 
 std::vector<std::uint8_t> serializeSplitModel(const SplitModel& model) {
+  const SplitModel& usual = defaultSplitModel();
   std::vector<std::uint8_t> bytes;
-  for (const auto& row : model.weights) {
-    for (const std::int16_t weight : row) {
-      bytes.push_back(static_cast<std::uint8_t>(weight & 0xFF));
-      bytes.push_back(static_cast<std::uint8_t>(weight >> 8 & 0xFF));
-    }
+  for (std::size_t c = 0; c < model.weights.size(); ++c) {
+    for (std::size_t t = 0; t < split_syntax::kTerms; ++t)
+      appendVarint(zigzag(model.weights[c][t] - usual.weights[c][t]), bytes);
   }
-  // Runs of equal probabilities, since most contexts never occur on a given model.
-  for (std::size_t i = 0; i < model.probabilities.size();) {
-    std::size_t run = 1;
-    while (i + run < model.probabilities.size() &&
-           model.probabilities[i + run] == model.probabilities[i])
-      ++run;
-    bytes.push_back(model.probabilities[i]);
-    if (run > 1) {
-      // No probability is 0: a zero announces a run.
-      bytes.back() = 0;
-      bytes.push_back(model.probabilities[i]);
-      appendVarint(run, bytes);
-    }
-    i += run;
+  std::vector<std::uint32_t> changed;
+  for (std::uint32_t c = 0; c < kContexts; ++c) {
+    if (model.probabilities[c] != usual.probabilities[c]) changed.push_back(c);
+  }
+  appendVarint(changed.size(), bytes);
+  std::uint32_t next = 0;
+  for (const std::uint32_t c : changed) {
+    appendVarint(c - next, bytes);
+    bytes.push_back(model.probabilities[c]);
+    next = c + 1;
   }
   return bytes;
 }
 
 Result<SplitModel> parseSplitModel(std::span<const std::uint8_t> bytes) {
-  SplitModel model;
-  const auto damaged = [] { return fail(ErrorCode::kCorrupt, "split model is damaged"); };
-  constexpr std::size_t kWeightBytes = 2 * split_syntax::kTerms * split_syntax::kWeightClasses;
-  if (bytes.size() < kWeightBytes) return damaged();
-  for (std::size_t i = 0; i < kWeightBytes / 2; ++i) {
-    model.weights[i / split_syntax::kTerms][i % split_syntax::kTerms] =
-        static_cast<std::int16_t>(bytes[2 * i] | bytes[2 * i + 1] << 8);
-  }
-  bytes = bytes.subspan(kWeightBytes);
-  while (!bytes.empty()) {
-    std::uint32_t run = 1;
-    std::uint8_t probability = bytes.front();
-    bytes = bytes.subspan(1);
-    if (probability == 0) {
-      if (bytes.empty()) return damaged();
-      probability = bytes.front();
-      VarintReader in(bytes.subspan(1));
-      const auto count = in.read();
-      if (!count || probability == 0) return damaged();
-      run = *count;
-      bytes = in.rest();
+  const auto damagedModel = [] { return fail(ErrorCode::kCorrupt, "split model is damaged"); };
+  SplitModel model = defaultSplitModel();
+  VarintReader in(bytes);
+  for (auto& row : model.weights) {
+    for (std::int16_t& weight : row) {
+      const auto difference = in.read();
+      if (!difference) return damagedModel();
+      const std::int64_t value = weight + unzigzag(*difference);
+      if (std::abs(value) > kMaxWeight) return damagedModel();
+      weight = static_cast<std::int16_t>(value);
     }
-    if (run > kContexts - model.probabilities.size()) return damaged();
-    model.probabilities.insert(model.probabilities.end(), run, probability);
   }
-  if (model.probabilities.size() != kContexts) return damaged();
+  const auto count = in.read();
+  if (!count || *count > kContexts) return damagedModel();
+  std::uint64_t next = 0;
+  bytes = in.rest();
+  for (std::uint32_t i = 0; i < *count; ++i) {
+    VarintReader entry(bytes);
+    const auto gap = entry.read();
+    bytes = entry.rest();
+    if (!gap || next + *gap >= kContexts || bytes.empty() || bytes.front() == 0)
+      return damagedModel();
+    model.probabilities[next + *gap] = bytes.front();
+    next += *gap + 1;
+    bytes = bytes.subspan(1);
+  }
+  if (!bytes.empty()) return damagedModel();
   return model;
 }
 

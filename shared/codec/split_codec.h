@@ -15,15 +15,23 @@
 
 namespace limn {
 
-/// Probabilities of the split coder's contexts, measured on one model at preparation and sent once
-/// (ModelInfo.split_model). Packets carry no tables and no state: any packet decodes on any client
-/// that holds its prerequisites.
+/// What every run of one model starts from: probabilities of the split coder's contexts and weights
+/// of the prediction. Both are universal but for what the model changes where that pays; the
+/// changes are sent once (ModelInfo.split_model). Packets carry no tables and no state: any packet
+/// decodes on any client that holds its prerequisites.
 struct SplitModel {
   std::vector<Probability> probabilities;  // one a context of split_syntax.h
   split_syntax::Weights weights{};         // of the position's prediction
 };
 
-/// Measures a model's probabilities. fronts: frontsOf(forest). Deterministic. Cost: O(splits).
+/// The universal model: the mean over some meshes (default_model.h). Cost: none after the first
+/// call.
+[[nodiscard]] const SplitModel& defaultSplitModel();
+
+/// A model's own probabilities, whatever they cost to send. For default_model.h and studies.
+[[nodiscard]] SplitModel measureSplitModel(const SplitForest& forest, const LevelFronts& fronts);
+
+/// The model to send for a forest. fronts: frontsOf(forest). Deterministic. Cost: O(splits).
 [[nodiscard]] SplitModel trainSplitModel(const SplitForest& forest, const LevelFronts& fronts);
 
 [[nodiscard]] std::vector<std::uint8_t> serializeSplitModel(const SplitModel& model);

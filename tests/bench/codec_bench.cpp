@@ -4,6 +4,8 @@
 // decoded and applied a second, faces trained on and encoded a second. One line of JSON a mesh and
 // grid.
 //   limn-codec-bench BITS MODEL-FILE...
+// Or the universal split model (shared/codec/default_model.h), the mean over meshes and grids:
+//   limn-codec-bench table MODEL-FILE...
 #include "server/preprocess/build_forest.h"
 #include "server/preprocess/import.h"
 #include "server/preprocess/repair.h"
@@ -11,12 +13,16 @@
 #include "shared/codec/split_codec.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace limn {
@@ -97,12 +103,79 @@ std::vector<VertexId> splitsOfView(const SplitForest& forest) {
   return ids;
 }
 
-bool benchMesh(const char* file, int bits) {
+std::optional<BuiltForest> prepare(const char* file, int bits) {
   const auto imported = importMesh(file);
-  if (!imported) return false;
+  if (!imported) return std::nullopt;
   const auto repaired = repairMesh(*imported, {.quantizationBits = bits});
-  if (!repaired) return false;
-  const auto built = buildForest(repaired->mesh, {});
+  if (!repaired) return std::nullopt;
+  auto built = buildForest(repaired->mesh, {});
+  if (!built) return std::nullopt;
+  return std::move(*built);
+}
+
+// Means of log odds over the meshes where a context occurs, as C++.
+bool printTable(std::span<char* const> files) {
+  std::vector<double> logOdds(split_syntax::kContexts, 0.0);
+  std::vector<double> times(split_syntax::kContexts, 0.0);
+  std::array<std::array<double, split_syntax::kTerms>, split_syntax::kWeightClasses> weights{};
+  double models = 0.0;
+  for (const char* file : files) {
+    for (const int bits : {12, 14, 17}) {
+      const auto built = prepare(file, bits);
+      if (!built) return false;
+      const SplitModel model = measureSplitModel(built->forest, frontsOf(built->forest));
+      for (std::size_t c = 0; c < logOdds.size(); ++c) {
+        const double zero = model.probabilities[c] / 256.0;
+        if (model.probabilities[c] == 128) continue;  // never seen, or even
+        logOdds[c] += std::log(zero / (1.0 - zero));
+        times[c] += 1.0;
+      }
+      for (std::size_t i = 0; i < weights.size(); ++i) {
+        for (std::size_t t = 0; t < split_syntax::kTerms; ++t)
+          weights[i][t] += model.weights[i][t];
+      }
+      models += 1.0;
+    }
+  }
+  std::printf("inline constexpr split_syntax::Weights kDefaultWeights = {{\n");
+  for (const auto& row : weights) {
+    std::printf("    {");
+    for (std::size_t t = 0; t < row.size(); ++t)
+      std::printf("%s%ld", t == 0 ? "" : ", ", std::lround(row[t] / models));
+    std::printf("},\n");
+  }
+  std::printf("}};\ninline constexpr std::uint8_t kDefaultTable[] = {");
+  std::vector<int> table;
+  for (std::size_t c = 0; c < logOdds.size(); ++c) {
+    const double mean = times[c] == 0.0 ? 0.0 : logOdds[c] / times[c];
+    table.push_back(
+        std::clamp(static_cast<int>(std::lround(256.0 / (1.0 + std::exp(-mean)))), 1, 255));
+  }
+  // Runs: 0, the probability, how often.
+  std::size_t printed = 0;
+  const auto print = [&](int value) {
+    std::printf("%s%d,", printed++ % 24 == 0 ? "\n    " : " ", value);
+  };
+  for (std::size_t c = 0; c < table.size();) {
+    std::size_t run = 1;
+    while (c + run < table.size() && table[c + run] == table[c] && run < 255)
+      ++run;
+    if (run > 2) {
+      print(0);
+      print(table[c]);
+      print(static_cast<int>(run));
+    } else {
+      run = 1;
+      print(table[c]);
+    }
+    c += run;
+  }
+  std::printf("\n};\n");
+  return true;
+}
+
+bool benchMesh(const char* file, int bits) {
+  const auto built = prepare(file, bits);
   if (!built) return false;
   const SplitForest& forest = built->forest;
 
@@ -152,6 +225,9 @@ bool benchMesh(const char* file, int bits) {
 }  // namespace limn
 
 int main(int argc, char** argv) {
+  if (argc > 2 && std::strcmp(argv[1], "table") == 0) {
+    return limn::printTable({argv + 2, argv + argc}) ? 0 : 1;
+  }
   const int bits = argc > 2 ? std::atoi(argv[1]) : 0;
   if (bits < 11 || bits > 18) {
     std::fprintf(stderr, "usage: limn-codec-bench BITS MODEL-FILE...   (11 to 18 bits)\n");

@@ -134,6 +134,28 @@ TEST(SplitCodec, PacketsOfAnyLegalOrderDecode) {
   }
 }
 
+TEST(SplitCodec, UniversalModelHasEveryContextAndNothingToSay) {
+  const SplitModel& model = defaultSplitModel();
+  EXPECT_EQ(model.probabilities.size(), split_syntax::kContexts);
+  EXPECT_EQ(std::ranges::count(model.probabilities, 0), 0);
+  EXPECT_EQ(serializeSplitModel(model), std::vector<std::uint8_t>(49, 0));
+}
+
+TEST(SplitCodec, MeasuredModelsDecodeAsWellAndSmallModelsCostLittleMore) {
+  const SplitForest forest = forestOf(primitives::bumpySphere(4, 3));
+  const LevelFronts fronts = frontsOf(forest);
+  const auto whole = encodeSplits(forest, measureSplitModel(forest, fronts), allSplits(forest));
+  const SplitModel small = trainSplitModel(forest, fronts);
+  EXPECT_LT(serializeSplitModel(small).size(), 300U);
+  const auto bytes = encodeSplits(forest, small, allSplits(forest));
+  EXPECT_LT(bytes.size(), whole.size() + whole.size() / 20);
+  const SplitModel measured =
+      *parseSplitModel(serializeSplitModel(measureSplitModel(forest, fronts)));
+  ActiveMesh active = baseOf(forest);
+  ASSERT_TRUE(SplitDecoder(measured).decode(whole, active));
+  expectEqualSoFar(forest, active);
+}
+
 TEST(SplitCodec, ModelsSurviveSerialisationAndNoTruncationPasses) {
   const SplitModel model = modelOf(forestOf(primitives::icosphere(4)));
   const auto bytes = serializeSplitModel(model);

@@ -21,11 +21,8 @@ limn::ActiveMesh freshMesh() {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const limn::SplitModel kModel{
-      std::vector<limn::Probability>(limn::split_syntax::kContexts, 128),
-      {}};
   limn::ActiveMesh mesh = freshMesh();
-  const auto count = limn::SplitDecoder(kModel).decode({data, size}, mesh);
+  const auto count = limn::SplitDecoder(limn::defaultSplitModel()).decode({data, size}, mesh);
   if (count && mesh.splitsHeld() != *count) std::abort();
   if (!limn::validate(mesh.mesh())) std::abort();
   return 0;
