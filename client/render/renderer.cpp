@@ -22,6 +22,8 @@ namespace {
 /// Supersampled pixels of a frame, at most: depth and ink together are six bytes each.
 constexpr std::int64_t kMaxPixels = std::int64_t{64} << 20;
 constexpr int kMaxSide = 16384;
+/// Cells in which the density of hidden lines is measured, pixels a side.
+constexpr int kDensityCell = 24;
 
 double millisecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
@@ -59,11 +61,13 @@ struct Renderer::Impl {
   StrokePass strokePass;
   StrokeBuilder strokeBuilder;
   gl::Program paperProgram;
+  gl::Program densityProgram;
   gl::Program reduceProgram;
   gl::Program depthBitsProgram;
   gl::VertexArray noAttributes;
   gl::Target depthTarget;    // supersampled, depth alone
   gl::Target inkTarget;      // supersampled, kRg8
+  gl::Target densityTarget;  // kR8, a texel a cell of kDensityCell pixels
   gl::Target shadedTarget;   // supersampled, colour and depth
   gl::Target pictureTarget;  // the picture
   gl::Target bitsTarget;     // kR32ui
@@ -98,6 +102,9 @@ struct Renderer::Impl {
     auto reduce =
         gl::Program::build(api(), "reduce", shaders::kScreenVertex, shaders::kReduceFragment);
     if (!reduce) return tl::unexpected(reduce.error());
+    auto density =
+        gl::Program::build(api(), "density", shaders::kScreenVertex, shaders::kDensityFragment);
+    if (!density) return tl::unexpected(density.error());
     auto bits = gl::Program::build(
         api(),
         "depth read-back",
@@ -107,6 +114,7 @@ struct Renderer::Impl {
     meshPass = *std::move(mesh);
     strokePass = *std::move(stroke);
     paperProgram = *std::move(paper);
+    densityProgram = *std::move(density);
     reduceProgram = *std::move(reduce);
     depthBitsProgram = *std::move(bits);
     noAttributes = gl::VertexArray::create(api());
@@ -306,8 +314,27 @@ Result<Frame> Renderer::Impl::render(
         **loaded,
         {.viewport = viewport, .hidden = hiddenMode(options.hidden)},
         inkTarget);
+    const gl::TextureSize cells{
+        (viewport.width + kDensityCell - 1) / kDensityCell,
+        (viewport.height + kDensityCell - 1) / kDensityCell};
+    if (auto ok =
+            fit(densityTarget,
+                "the density of lines",
+                {.size = cells, .color = gl::TexelFormat::kR8});
+        !ok) {
+      return tl::unexpected(ok.error());
+    }
+    densityTarget.bind();
+    densityProgram.use();
+    densityProgram.set("inkMap", 0);
+    densityProgram.set("cell", kDensityCell * factor);
+    gl::bindTexture(api(), 0, inkTarget.color());
+    drawScreen();
     pictureTarget.bind();
     paperProgram.use();
+    paperProgram.set("densityMap", 1);
+    paperProgram.set("cell", static_cast<float>(kDensityCell));
+    gl::bindTexture(api(), 1, densityTarget.color());
     paperProgram.set("inkMap", 0);
     paperProgram.set("supersample", factor);
     paperProgram.set("paper", paper);

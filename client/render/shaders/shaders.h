@@ -166,6 +166,30 @@ void main() {
 }
 )";
 
+/// How densely hidden lines lie: their mean ink in cells of the picture, one fragment a cell.
+inline constexpr std::string_view kDensityFragment = R"(#version 300 es
+precision highp float;
+precision highp int;
+uniform highp sampler2D inkMap;
+uniform int cell;  // fine pixels a side
+out float density;
+void main() {
+  ivec2 size = textureSize(inkMap, 0);
+  ivec2 start = ivec2(gl_FragCoord.xy) * cell;
+  float sum = 0.0;
+  float count = 0.0;
+  for (int y = 0; y < cell; y += 2) {
+    for (int x = 0; x < cell; x += 2) {
+      ivec2 at = start + ivec2(x, y);
+      if (at.x >= size.x || at.y >= size.y) continue;
+      sum += texelFetch(inkMap, at, 0).g;
+      count += 1.0;
+    }
+  }
+  density = sum / max(count, 1.0);
+}
+)";
+
 /// Ink on paper, and the reduction from the supersampled framebuffer.
 inline constexpr std::string_view kPaperFragment = R"(#version 300 es
 precision highp float;
@@ -178,7 +202,26 @@ uniform vec3 hiddenColor;
 uniform vec2 opacities;
 uniform float grain;
 uniform int pictureHeight;
+uniform highp sampler2D densityMap;
+uniform float cell;  // of the density map, pixels a side
 out vec4 color;
+// Mean ink of hidden lines around here, smoothly.
+float hiddenDensity(vec2 pixel) {
+  ivec2 last = textureSize(densityMap, 0) - 1;
+  vec2 place = pixel / cell - 0.5;
+  ivec2 low = ivec2(floor(place));
+  vec2 f = place - floor(place);
+  float sum = 0.0;
+  // A quadratic spline over the nearest cells: tones never jump.
+  for (int y = -1; y <= 2; ++y) {
+    for (int x = -1; x <= 2; ++x) {
+      vec2 away = abs(vec2(float(x), float(y)) - f);
+      vec2 w = max(vec2(0.0), 1.0 - away / 2.0) / 2.0;
+      sum += w.x * w.y * texelFetch(densityMap, clamp(low + ivec2(x, y), ivec2(0), last), 0).r;
+    }
+  }
+  return sum;
+}
 uint scramble(uint h) {
   h ^= h >> 16; h *= 0x7feb352du; h ^= h >> 15; h *= 0x846ca68bu; h ^= h >> 16;
   return h;
@@ -210,7 +253,10 @@ void main() {
     // Ink reaches the hollows of the paper only where it is laid on thickly.
     ink *= mix(vec2(1.0), smoothstep(vec2(-0.35), vec2(0.30), ink - n * 0.9 + 0.25), grain);
   }
-  vec3 result = mix(paper, hiddenColor, ink.g * opacities.y);
+  // Where many hidden lines lie together each is paler, as an illustrator would have it.
+  float crowded = ink.g > 0.0 ? clamp(0.08 / max(hiddenDensity(vec2(pixel) + 0.5), 0.001), 0.3, 1.0)
+                              : 1.0;
+  vec3 result = mix(paper, hiddenColor, ink.g * opacities.y * crowded);
   result = mix(result, visibleColor, ink.r * opacities.x);
   color = vec4(result, 1.0);
 }
