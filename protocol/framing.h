@@ -3,12 +3,19 @@
 
 #include "shared/core/result.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace limn::protocol {
+
+/// Bytes that a WebSocket frame header takes before an unmasked payload of this length
+/// [RFC 6455, 5.2].
+[[nodiscard]] constexpr std::size_t webSocketHeaderBytes(std::size_t payloadBytes) {
+  return payloadBytes < 126 ? 2 : payloadBytes <= 0xFFFF ? 4 : 10;
+}
 
 /// Appends one message to a section of an asset: its length as u32 little-endian, then its bytes.
 void appendFrame(std::vector<std::uint8_t>& section, std::span<const std::uint8_t> message);

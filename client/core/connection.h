@@ -45,9 +45,4 @@ class Connection {
 /// session's decode thread.
 using ConnectionFactory = std::function<std::unique_ptr<Connection>()>;
 
-/// Bytes that a WebSocket frame header takes before an unmasked payload of this length [RFC 6455].
-[[nodiscard]] inline std::size_t frameHeaderBytes(std::size_t payloadBytes) {
-  return payloadBytes < 126 ? 2 : payloadBytes <= 0xFFFF ? 4 : 10;
-}
-
 }  // namespace limn

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/net/local_connection.h"
 
+#include "protocol/framing.h"
+
 #include <utility>
 
 namespace limn {
@@ -39,7 +41,7 @@ std::optional<std::vector<std::uint8_t>> LocalConnection::receive() {
 
 void LocalConnection::tell(std::vector<std::uint8_t> message) {
   if (isClosed()) return;
-  const std::size_t wireBytes = message.size() + frameHeaderBytes(message.size());
+  const std::size_t wireBytes = message.size() + protocol::webSocketHeaderBytes(message.size());
   listener_->onMessage(std::move(message), wireBytes);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/net/lws_connection.h"
 
+#include "protocol/framing.h"
 #include "protocol/limits.h"
 
 #include <libwebsockets.h>
@@ -156,7 +157,7 @@ class LwsConnection final : public Connection {
   int receive(lws* wsi, const void* in, std::size_t length) {
     const std::size_t remaining = lws_remaining_packet_payload(wsi);
     // A frame begins where the one before ended; its header is paid once.
-    if (frameRemaining_ == 0) wireBytes_ += frameHeaderBytes(length + remaining);
+    if (frameRemaining_ == 0) wireBytes_ += protocol::webSocketHeaderBytes(length + remaining);
     frameRemaining_ = remaining;
     wireBytes_ += length;
     if (incoming_.size() + length + remaining > limits::kMaxServerMessageBytes) {

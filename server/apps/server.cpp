@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/apps/background_preparation.h"
+#include "server/apps/inspect.h"
 #include "server/apps/service_manager.h"
 #include "server/session/model_library.h"
 #include "server/session/session.h"
@@ -18,6 +19,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <string_view>
 #include <thread>
 
 namespace limn {
@@ -30,7 +32,8 @@ constexpr char kExamples[] =
     "Examples:\n"
     "  limn-server --store assets --models meshes\n"
     "  limn-server --store assets --listen 0.0.0.0:8600 --token-file tokens.txt\n"
-    "  limn-server --store assets --listen 127.0.0.1:0 --metrics-listen 127.0.0.1:9600";
+    "  limn-server --store assets --listen 127.0.0.1:0 --metrics-listen 127.0.0.1:9600\n"
+    "  limn-server inspect dragon --store assets     (where the bytes go; has a --help of its own)";
 
 struct Arguments {
   std::string store;
@@ -282,5 +285,8 @@ int run(int argc, char** argv) {
 }  // namespace limn
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "inspect") {
+    return limn::inspectCommand(argc - 1, argv + 1);
+  }
   return limn::run(argc, argv);
 }

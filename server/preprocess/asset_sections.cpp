@@ -31,7 +31,7 @@ std::uint32_t chooseBlockLevels(const SplitForest& forest) {
 }  // namespace
 
 std::uint64_t frameBytes(std::size_t messageBytes) {
-  return messageBytes + (messageBytes < 126 ? 2 : messageBytes < 65536 ? 4 : 10);
+  return messageBytes + protocol::webSocketHeaderBytes(messageBytes);
 }
 
 std::uint64_t wireBytes(std::span<const std::uint8_t> section) {

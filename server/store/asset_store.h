@@ -36,6 +36,8 @@ class Asset {
   /// Bytes of a section; valid as long as the asset. Errors: kNotFound.
   [[nodiscard]] virtual Result<std::span<const std::uint8_t>> section(
       std::string_view name) const = 0;
+  /// All of them, in the order in which they were written.
+  [[nodiscard]] virtual std::vector<std::string> sectionNames() const = 0;
 };
 
 /// An asset that is being written: aside, invisible until commit(). Destroyed without: removed.

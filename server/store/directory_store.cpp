@@ -91,6 +91,13 @@ class DirectoryAsset final : public Asset {
     return file->second.bytes();
   }
 
+  std::vector<std::string> sectionNames() const override {
+    std::vector<std::string> names;
+    for (const Manifest::Section& section : manifest_.sections)
+      names.push_back(section.name);
+    return names;
+  }
+
  private:
   Manifest manifest_;
   std::map<std::string, MappedFile, std::less<>> files_;

@@ -89,6 +89,40 @@ void encodeLevelRun(
   }
 }
 
+/// The end of the syntax that weighs: see bin_coder.h.
+class BitMeter {
+ public:
+  explicit BitMeter(std::span<const Probability> table) : states_(table.begin(), table.end()) {}
+
+  bool code(std::uint32_t context, bool bit) {
+    AdaptiveBit& state = states_[context];
+    const std::uint32_t zero = state.zero();
+    kind_ = kindOf(context);
+    bits_.*kind_ -= std::log2((bit ? 4096 - zero : zero) / 4096.0);
+    state.update(bit);
+    return bit;
+  }
+
+  /// Raw bits belong to the symbol that a context began.
+  std::uint32_t codeRaw(std::uint32_t bits, std::uint32_t value) {
+    bits_.*kind_ += bits;
+    return value;
+  }
+
+  [[nodiscard]] const SplitBits& bits() const { return bits_; }
+
+ private:
+  static double SplitBits::*kindOf(std::uint32_t context) {
+    if (context < split_syntax::kOpenSide) return &SplitBits::names;
+    if (context < split_syntax::kFeatures) return &SplitBits::cuts;
+    return context < split_syntax::kResidual ? &SplitBits::features : &SplitBits::positions;
+  }
+
+  std::vector<AdaptiveBit> states_;
+  SplitBits bits_;
+  double SplitBits::*kind_ = &SplitBits::names;
+};
+
 // Solves A x = b for a symmetric positive definite A, in place (Cholesky).
 template <std::size_t N>
 std::array<double, N> solve(std::array<std::array<double, N>, N>& a, std::array<double, N> x) {
@@ -352,6 +386,17 @@ std::vector<std::uint8_t> encodeLevelRun(
   encodeLevelRun(bins, forest, model.weights, fronts[level], begin, end);
   bins.finish(bytes);
   return bytes;
+}
+
+SplitBits measureLevelRun(
+    const SplitForest& forest,
+    const SplitModel& model,
+    const LevelFronts& fronts,
+    VertexId begin,
+    VertexId end) {
+  BitMeter meter(model.probabilities);
+  encodeLevelRun(meter, forest, model.weights, fronts[forest.levelOf(begin)], begin, end);
+  return meter.bits();
 }
 
 Result<std::uint32_t> SplitDecoder::decode(std::span<const std::uint8_t> bytes, ActiveMesh& mesh) {

@@ -53,6 +53,33 @@ encodeSplits(const SplitForest& forest, const SplitModel& model, std::span<const
     VertexId begin,
     VertexId end);
 
+/// What splits hold by kind of symbol, in bits (−Σ log₂ p).
+struct SplitBits {
+  double names = 0.0;  // which splits, and their parents
+  double cuts = 0.0;   // where the parents' rings open
+  double features = 0.0;
+  double positions = 0.0;
+
+  SplitBits& operator+=(const SplitBits& other) {
+    names += other.names;
+    cuts += other.cuts;
+    features += other.features;
+    positions += other.positions;
+    return *this;
+  }
+
+  [[nodiscard]] double total() const { return names + cuts + features + positions; }
+};
+
+/// What encodeLevelRun(forest, model, fronts, begin, end) spends its bytes on: the run has
+/// total() / 8 of them, and at most 12 more for its head and the coder's end.
+[[nodiscard]] SplitBits measureLevelRun(
+    const SplitForest& forest,
+    const SplitModel& model,
+    const LevelFronts& fronts,
+    VertexId begin,
+    VertexId end);
+
 /// Decodes runs of one model.
 class SplitDecoder {
  public:

@@ -178,13 +178,27 @@ std::string drawCurve(
   return svg + "</g>\n";
 }
 
-std::string drawPanel(const PlotPanel& panel) {
+/// Labels in the order in which they appear: what colours go by.
+class LabelColours {
+ public:
+  std::string_view operator()(const std::string& label) {
+    const auto found = std::ranges::find(labels_, label);
+    const auto index = static_cast<std::size_t>(found - labels_.begin());
+    if (found == labels_.end()) labels_.push_back(label);
+    return kColours[index % kColours.size()];
+  }
+
+ private:
+  std::vector<std::string> labels_;
+};
+
+std::string drawPanel(const PlotPanel& panel, LabelColours& colours) {
   const AxisMap x = fitAxis(panel, 0, kLeft, kLeft + kDiagramWidth);
   const AxisMap y = fitAxis(panel, 1, kTop + kDiagramHeight, kTop);
   std::string svg = drawAxes(panel, x, y);
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     const PlotCurve& curve = panel.curves[i];
-    const std::string_view colour = kColours[i % kColours.size()];
+    const std::string_view colour = colours(curve.label);
     svg += drawCurve(panel, curve, colour, x, y);
     const double line =
         kTop + kDiagramHeight + kBottom + kLegendLine * (static_cast<double>(i) + 0.5);
@@ -235,9 +249,10 @@ std::string svgPlot(std::span<const PlotPanel> panels) {
                     number(height) +
                     "\" font-family=\"sans-serif\" font-size=\"12\">\n"
                     "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+  LabelColours colours;
   for (std::size_t i = 0; i < panels.size(); ++i) {
     svg += "<g transform=\"translate(" + number(kPanelWidth * static_cast<double>(i)) + " 0)\">\n" +
-           drawPanel(panels[i]) + "</g>\n";
+           drawPanel(panels[i], colours) + "</g>\n";
   }
   return svg + "</svg>\n";
 }

@@ -40,8 +40,8 @@ struct PlotPanel {
 };
 
 /// Panels beside each other, as an SVG document: round ticks, a legend, colours that the colour-
-/// blind can tell apart [Okabe and Ito 2008]. Axes begin at 0 when linear. Any text is escaped.
-/// Deterministic: equal panels give equal bytes.
+/// blind can tell apart [Okabe and Ito 2008], the same for the same label in all panels. Axes begin
+/// at 0 when linear. Any text is escaped. Deterministic: equal panels give equal bytes.
 [[nodiscard]] std::string svgPlot(std::span<const PlotPanel> panels);
 
 /// Where ticks go on an axis from low to high: 1, 2 or 5 times a power of ten apart, or powers of

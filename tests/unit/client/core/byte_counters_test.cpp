@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/core/byte_counters.h"
 
-#include "client/core/connection.h"
 #include "tests/conformance/protocol/samples.h"
+
+#include "protocol/framing.h"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +21,8 @@ TEST(ByteCounters, PartsAddUpToReceived) {
   for (const auto& sample : protocol::samples()) {
     if (sample.sender != protocol::Sender::kServer) continue;
     const auto message = protocol::decodeMessage(sample.bytes, sample.sender);
-    const std::size_t frame = sample.bytes.size() + frameHeaderBytes(sample.bytes.size());
+    const std::size_t frame =
+        sample.bytes.size() + protocol::webSocketHeaderBytes(sample.bytes.size());
     bytes.count(message->body, frame);
     wire += frame;
     EXPECT_EQ(bytes.received, wire);
@@ -37,11 +39,11 @@ TEST(ByteCounters, PartsAddUpToReceived) {
 }
 
 TEST(ByteCounters, FrameHeadersAreThoseOfRfc6455) {
-  EXPECT_EQ(frameHeaderBytes(0), 2U);
-  EXPECT_EQ(frameHeaderBytes(125), 2U);
-  EXPECT_EQ(frameHeaderBytes(126), 4U);
-  EXPECT_EQ(frameHeaderBytes(65535), 4U);
-  EXPECT_EQ(frameHeaderBytes(65536), 10U);
+  EXPECT_EQ(protocol::webSocketHeaderBytes(0), 2U);
+  EXPECT_EQ(protocol::webSocketHeaderBytes(125), 2U);
+  EXPECT_EQ(protocol::webSocketHeaderBytes(126), 4U);
+  EXPECT_EQ(protocol::webSocketHeaderBytes(65535), 4U);
+  EXPECT_EQ(protocol::webSocketHeaderBytes(65536), 10U);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include "client/core/connection.h"
 #include "tests/unit/client/core/small_asset.h"
 
+#include "protocol/framing.h"
+
 #include "shared/mesh/primitives.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +35,10 @@ struct Bench {
   }
 
   void say(const std::vector<std::uint8_t>& message) {
-    machine.onMessage(message, message.size() + frameHeaderBytes(message.size()), now);
+    machine.onMessage(
+        message,
+        message.size() + protocol::webSocketHeaderBytes(message.size()),
+        now);
     collect();
   }
 

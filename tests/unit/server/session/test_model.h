@@ -42,6 +42,13 @@ class MemoryAsset final : public Asset {
     return std::span<const std::uint8_t>(part->second);
   }
 
+  [[nodiscard]] std::vector<std::string> sectionNames() const override {
+    std::vector<std::string> names;
+    for (const auto& [name, bytes] : parts_)
+      names.push_back(name);
+    return names;
+  }
+
  private:
   Sha256Digest id_;
   std::map<std::string, std::vector<std::uint8_t>, std::less<>> parts_;

@@ -66,6 +66,17 @@ TEST(SvgPlot, LeavesOutWhatAnAxisCannotShowAndBreaksTheLine) {
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
+TEST(SvgPlot, GivesALabelItsColourInEveryPanel) {
+  const PlotCurve a{.label = "a", .points = {{1, 1}}};
+  const PlotCurve b{.label = "b", .points = {{1, 1}}};
+  const PlotPanel panels[] = {
+      {.title = "", .x = {}, .y = {}, .curves = {a, b}},
+      {.title = "", .x = {}, .y = {}, .curves = {b}}};
+  const std::string svg = svgPlot(panels);
+  EXPECT_EQ(countOf(svg, "stroke=\"#0072b2\""), 2U);  // curve and legend
+  EXPECT_EQ(countOf(svg, "stroke=\"#d55e00\""), 4U);
+}
+
 TEST(SvgPlot, DrawsPanelsWithoutMeasurements) {
   const PlotPanel panel{.title = "empty", .x = {.label = "x"}, .y = {.label = "y"}, .curves = {}};
   const std::string svg = svgPlot(std::span(&panel, 1));
