@@ -42,24 +42,34 @@ inline constexpr std::array<std::uint8_t, 65> kArcTangent = {
     3,  3,  3,  3,  4,  4,  4,  5,  5,  6,  6,  7,  7,  8,  9,  10, 10, 11, 12, 13, 14, 16,
     17, 18, 20, 21, 23, 24, 26, 28, 29, 31, 33, 35, 36, 38, 40, 41, 43, 44, 46, 47, 48, 50,
     51, 52, 53, 54, 54, 55, 56, 57, 57, 58, 58, 59, 59, 60, 60, 60, 61, 61, 61, 61, 62};
-// 2^(15 − i/16).
-inline constexpr std::array<std::uint16_t, 16> kPowers = {
-    32768,
-    31379,
-    30048,
-    28774,
-    27554,
-    26386,
-    25268,
-    24196,
-    23170,
-    22188,
-    21247,
-    20347,
-    19484,
-    18658,
-    17867,
-    17109};
+
+// ⌊⌊2^(15 − (i mod 16) / 16) rounded⌋ / 2^(i / 16)⌋, at least 1: odds of a score that is i below
+// the best.
+constexpr std::array<std::uint16_t, 241> makePowers() {
+  constexpr std::array<std::uint16_t, 16> kFirst = {
+      32768,
+      31379,
+      30048,
+      28774,
+      27554,
+      26386,
+      25268,
+      24196,
+      23170,
+      22188,
+      21247,
+      20347,
+      19484,
+      18658,
+      17867,
+      17109};
+  std::array<std::uint16_t, 241> powers{};
+  for (std::size_t i = 0; i < powers.size(); ++i)
+    powers[i] = i < 240 ? static_cast<std::uint16_t>(kFirst[i % 16] >> (i / 16)) : std::uint16_t{1};
+  return powers;
+}
+
+inline constexpr std::array<std::uint16_t, 241> kPowers = makePowers();
 
 inline std::size_t step(std::int32_t value, std::int32_t least, std::int32_t size) {
   return static_cast<std::size_t>(std::clamp((value - least) / size, 0, 23));
@@ -75,9 +85,19 @@ struct CutOdds {
   /// Odds (1 to 32,768) << 11 + what the index lacks to 2047, so that the largest number is the
   /// likeliest cut, the first of equals.
   std::array<std::int32_t, kMaxCuts> odds;
-  std::array<std::uint8_t, kMaxCuts> left;
-  std::array<std::uint8_t, kMaxCuts> right;
 };
+
+/// Cuts that start at ring vertex s.
+inline std::uint32_t cutsFrom(const Neighbourhood& n, std::uint32_t s) {
+  return std::min(n.isPath ? n.size - 1 - s : n.size - 1, kMaxFanEdges);
+}
+
+inline RingCut cutAt(const Neighbourhood& n, std::uint32_t index) {
+  std::uint32_t s = 0;
+  for (; index >= cutsFrom(n, s); ++s)
+    index -= cutsFrom(n, s);
+  return {static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(n.wrap(s + index + 1))};
+}
 
 inline void findCutOdds(const Neighbourhood& n, CutOdds& result) {
   namespace f = cut_factors;
@@ -124,7 +144,7 @@ inline void findCutOdds(const Neighbourhood& n, CutOdds& result) {
   std::int32_t best = -(1 << 20);
   std::uint32_t count = 0;
   for (std::uint32_t s = 0; s < n.size; ++s) {
-    const std::uint32_t most = std::min(n.isPath ? n.size - 1 - s : n.size - 1, kMaxFanEdges);
+    const std::uint32_t most = cutsFrom(n, s);
     std::int32_t inside = end[s];
     std::int32_t span = 0;
     for (std::uint32_t length = 1; length <= most; ++length) {
@@ -133,18 +153,15 @@ inline void findCutOdds(const Neighbourhood& n, CutOdds& result) {
       const std::int32_t score = inside + end[at] + shape[length] +
                                  f::kAngle[static_cast<std::size_t>(std::min(span / 8, 23))];
       inside += inner[at];
-      scores[count] = score;
-      result.left[count] = static_cast<std::uint8_t>(s);
-      result.right[count++] = static_cast<std::uint8_t>(n.wrap(at));
+      scores[count++] = score;
       best = std::max(best, score);
     }
   }
   result.count = count;
   result.total = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
-    const auto below = static_cast<std::uint32_t>(best - scores[i]);
     const std::uint32_t odds =
-        below >= 240 ? 1U : std::uint32_t{f::kPowers[below & 15]} >> (below >> 4);
+        f::kPowers[static_cast<std::size_t>(std::min(best - scores[i], 240))];
     result.odds[i] = static_cast<std::int32_t>(odds << 11 | (2047 - i));
     result.total += odds;
   }

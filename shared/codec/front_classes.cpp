@@ -55,9 +55,10 @@ Result<std::vector<std::uint8_t>> frontClasses(const ActiveMesh& mesh, std::uint
     return fail(ErrorCode::kCorrupt, "a level run came before all of the levels that it stands on");
   }
   const auto faces = mesh.mesh().triangles();
+  const bool isWhole = held == ids.size();  // the usual case: nothing to put back
   const auto forEachFace = [&](const auto& take) {
     for (const glm::uvec3& t : faces) {
-      const glm::uvec3 face(origins[t.x], origins[t.y], origins[t.z]);
+      const glm::uvec3 face = isWhole ? t : glm::uvec3(origins[t.x], origins[t.y], origins[t.z]);
       if (face.x != face.y && face.y != face.z && face.z != face.x) take(face);
     }
   };
@@ -86,9 +87,10 @@ Result<std::vector<std::uint8_t>> frontClasses(const ActiveMesh& mesh, std::uint
     }
   });
   std::vector<std::uint8_t> classes(count);
+  std::uint32_t own = 0;  // level of the vertex; slots come level by level, mostly
   for (Slot slot = 0; slot < origins.size(); ++slot) {
     if (origins[slot] != slot) continue;
-    const std::uint32_t own = mesh.levelOf(ids[slot]);
+    if (ids[slot] < begin[own] || ids[slot] >= begin[own + 1]) own = mesh.levelOf(ids[slot]);
     const Star& star = stars[slot];
     const std::int32_t around = star.faces == 0 ? 0 : star.around / (2 * star.faces);
     classes[ids[slot]] = classOf(

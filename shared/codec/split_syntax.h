@@ -174,7 +174,7 @@ bool codeCut(Bins& bins, const Neighbourhood& n, RingCut& cut) {
     const auto i = static_cast<std::size_t>(2047 - (most & 2047));
     const auto own = static_cast<std::uint32_t>(most >> 11);
     odds.total -= own;
-    const RingCut found{odds.left[i], odds.right[i]};
+    const RingCut found = cutAt(n, static_cast<std::uint32_t>(i));
     if (left > 1) {
       const std::int32_t ratio = log8(own) - log8(odds.total);
       const auto step = static_cast<std::uint32_t>(std::clamp((ratio + 40) / 4, 0, 23));

@@ -416,8 +416,17 @@ void ActiveMesh::canonicalRingSlots(Slot u, std::uint32_t level, std::vector<Slo
     while (ring.size() > 1 && ring.front() == ring.back())
       ring.pop_back();
     // A cycle has no first vertex of its own: start at the smallest id.
-    const auto byId = [this](Slot a, Slot b) { return ids_[a] < ids_[b]; };
-    std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end(), byId), ring.end());
+    const auto size = static_cast<std::ptrdiff_t>(ring.size());
+    std::ptrdiff_t least = 0;
+    for (std::ptrdiff_t i = 1; i < size; ++i) {
+      if (ids_[ring[static_cast<std::size_t>(i)]] < ids_[ring[static_cast<std::size_t>(least)]])
+        least = i;
+    }
+    // Twice around, then a window: a few words, cheaper than std::rotate.
+    ring.resize(2 * ring.size());
+    std::copy_n(ring.begin(), size, ring.begin() + size);
+    std::copy_n(ring.begin() + least, size, ring.begin());
+    ring.resize(static_cast<std::size_t>(size));
   }
 }
 
