@@ -20,10 +20,11 @@ namespace limn {
 namespace {
 
 // The last one's valences are limits::kMaxRing in the protocol.
-constexpr std::array<CollapseLimits, 3> kStages = {{{10, 13, 0.85}, {12, 16, 0.5}, {24, 64, 0.2}}};
+constexpr std::array<CollapseLimits, 4> kStages = {
+    {{10, 13, 0.85}, {10, 13, 0.7}, {12, 16, 0.5}, {24, 64, 0.2}}};
 
 // A level that removes less than this part of the vertices goes on to the next stage.
-constexpr std::size_t kStallShare = 12;
+constexpr std::size_t kStallShare = 6;
 
 // A level takes the cheapest of its candidates only: few make many levels and deep closures, all of
 // them make poor collapses. They are tried in buckets of rising cost, tightly packed within each.
@@ -32,6 +33,11 @@ constexpr double kCandidateShare = 0.8;
 // go on for some levels before edges and corners are touched. (Costs go with squared distances.)
 constexpr float kCostSpread = 1000.0F;
 constexpr std::size_t kBuckets = 4;
+
+// Where a vertex's edges are all shorter than this part of the mesh's usual edge, faces may turn as
+// in the last stage: small shells beside a large body shrink to tetrahedra early, or they would be
+// all that is left of the mesh in the end.
+constexpr double kSmallEdge = 0.35;
 
 constexpr std::uint32_t kErrorSamples = 4000;
 constexpr std::size_t kMaxLevels = 60;
@@ -76,6 +82,24 @@ void LevelSimplifier::run() {
   base_ = current;
 }
 
+double LevelSimplifier::squaredEdge(std::uint32_t a, std::uint32_t b) const {
+  const glm::dvec3 edge = glm::dvec3(mesh_.positions()[a]) - glm::dvec3(mesh_.positions()[b]);
+  return glm::dot(edge, edge);
+}
+
+// kSmallEdge of the median edge, squared; of one edge a vertex.
+double LevelSimplifier::smallEdge2() const {
+  std::vector<double> edges;
+  for (const std::uint32_t v : present_) {
+    const HalfEdgeId h = mesh_.mesh().outgoing[v];
+    if (h != kNone) edges.push_back(squaredEdge(v, mesh_.mesh().target(h)));
+  }
+  if (edges.empty()) return 0.0;
+  const auto middle = edges.begin() + static_cast<std::ptrdiff_t>(edges.size() / 2);
+  std::nth_element(edges.begin(), middle, edges.end());
+  return kSmallEdge * kSmallEdge * *middle;
+}
+
 // The cheapest collapse of v that is allowed now; parents used in this level do not count.
 std::optional<HalfEdgeCollapse>
 LevelSimplifier::bestCollapse(std::uint32_t v, const CollapseLimits& limits, double* cost) const {
@@ -84,12 +108,15 @@ LevelSimplifier::bestCollapse(std::uint32_t v, const CollapseLimits& limits, dou
   mesh_.mesh().ring(v, ring);
   if (ring.empty() || ring.size() > limits.removedValence) return std::nullopt;
   targets.clear();
+  bool isSmall = true;
   for (const std::uint32_t u : ring) {
+    isSmall = isSmall && squaredEdge(v, u) < smallEdge2_;
     if (parentIn_[u] != stamp_) targets.emplace_back(costs_.cost(mesh_, v, u), u);
   }
   std::sort(targets.begin(), targets.end());
+  const double leastCosine = isSmall ? kStages.back().leastNormalCosine : limits.leastNormalCosine;
   for (const auto& [targetCost, u] : targets) {
-    const auto collapse = mesh_.plan(v, u, limits.leastNormalCosine);
+    const auto collapse = mesh_.plan(v, u, leastCosine);
     if (!collapse || collapse->ringSize > limits.keptValence) continue;
     *cost = targetCost * silhouetteWeight(mesh_, v);
     return collapse;
@@ -133,6 +160,7 @@ std::size_t LevelSimplifier::shareOf(std::span<const Candidate> sorted) {
 CollapseLevel LevelSimplifier::collapseLevel(const CollapseLimits& limits) {
   CollapseLevel level;
   ++stamp_;
+  smallEdge2_ = smallEdge2();
   const std::vector<Candidate> sorted = candidates(limits);
   const std::size_t share = shareOf(sorted);
   if (share == 0) return level;

@@ -55,6 +55,8 @@ class LevelSimplifier {
   };
 
   [[nodiscard]] std::uint32_t vertexCount() const;
+  [[nodiscard]] double squaredEdge(std::uint32_t a, std::uint32_t b) const;
+  [[nodiscard]] double smallEdge2() const;
   [[nodiscard]] std::optional<HalfEdgeCollapse>
   bestCollapse(std::uint32_t v, const CollapseLimits& limits, double* cost) const;
   [[nodiscard]] std::vector<Candidate> candidates(const CollapseLimits& limits) const;
@@ -77,6 +79,7 @@ class LevelSimplifier {
   std::vector<CollapseLevel> levels_;
   LevelSummary base_;
   std::uint8_t stamp_ = 0;               // of the level under way
+  double smallEdge2_ = 0.0;              // edges below are small in it
   float ceiling_ = 0.0F;                 // what a collapse of that level may cost
   std::vector<std::uint8_t> lockedIn_;   // level in which a vertex was locked last
   std::vector<std::uint8_t> parentIn_;   // … was a parent last

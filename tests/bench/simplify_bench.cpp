@@ -256,6 +256,10 @@ class Bench {
     whole["base_vertices"] = forest.baseVertexCount();
     whole["bytes"] = bytes;
     whole["draco_ratio"] = static_cast<double>(bytes) / static_cast<double>(fullDraco_);
+    Json levelFaces = Json::array();
+    for (const LevelSummary& level : built->levels)
+      levelFaces.push_back(level.faces);
+    whole["level_faces"] = std::move(levelFaces);
     whole["ring"] = static_cast<double>(forest.rings.size()) / forest.splitCount();
 
     const SplitModel model = trainSplitModel(forest, frontsOf(forest));
