@@ -14,9 +14,9 @@ namespace limn {
 
 struct ForestOptions {
   std::uint32_t baseFaces = 800;  // stop at this many faces, or where no collapse is left
-  CollapseCost cost = CollapseCost::kVolume;  // README.md has the comparison
-  double creaseAngleDegrees = 40.0;           // edges whose faces differ by more are creases
-  unsigned threads = 2;                       // the result does not depend on it
+  CollapseCost cost = CollapseCost::kMemoryless;  // README.md has the comparison
+  double creaseAngleDegrees = 40.0;               // edges whose faces differ by more are creases
+  unsigned threads = 2;                           // the result does not depend on it
 };
 
 /// One level of detail: the mesh of all vertices up to this level.

@@ -11,7 +11,6 @@
 
 #include "server/preprocess/view_sphere.h"
 
-#include <bit>
 #include <cmath>
 
 namespace limn {
@@ -54,35 +53,33 @@ Quadric vertexQuadric(const CollapseMesh& mesh, std::uint32_t v) {
   return quadric;
 }
 
-double squaredLength(const CollapseMesh& mesh, std::uint32_t v, std::uint32_t u) {
-  const glm::dvec3 d = glm::dvec3(mesh.positions()[u]) - glm::dvec3(mesh.positions()[v]);
-  return glm::dot(d, d);
+// The forms of the squared distances that memoryless quadrics measure [Lindstrom98]: all planes go
+// through v.
+void addPlanes(const CollapseMesh& mesh, HalfEdgeId h, const glm::dvec3& areaNormal, Form& form) {
+  const double length = glm::length(areaNormal);
+  if (length == 0.0) return;
+  form.add(areaNormal, 1.0 / (6.0 * length));
+  for (const HalfEdgeId edge : {h, HalfEdgeMesh::prev(h)}) {
+    if (!isLine(mesh, edge)) continue;
+    const glm::dvec3 along = glm::dvec3(mesh.positions()[mesh.mesh().target(edge)]) -
+                             glm::dvec3(mesh.positions()[mesh.mesh().origin(edge)]);
+    const glm::dvec3 across = glm::cross(along, areaNormal);
+    form.add(across, kFeatureWeight * glm::dot(along, along) / glm::dot(across, across));
+  }
 }
 
-// Sum of the squared volumes that v's faces sweep when v goes to u, and of the squared areas that
-// its border and crease edges sweep [Lindstrom98, equations 4 and 7]; all factors common to both
-// dropped.
-double volumeCost(const CollapseMesh& mesh, std::uint32_t v, std::uint32_t u) {
-  const glm::dvec3 from(mesh.positions()[v]);
-  const glm::dvec3 move = glm::dvec3(mesh.positions()[u]) - from;
-  double volume = 0.0;
-  double boundary = 0.0;
-  double degree = 0.0;
-  mesh.forEachFace(v, [&](HalfEdgeId h, std::uint32_t a, std::uint32_t b) {
-    const double swept = glm::dot(mesh.areaNormal(v, a, b), move) / 6.0;
-    volume += swept * swept;
-    ++degree;
-    for (const HalfEdgeId edge : {h, HalfEdgeMesh::prev(h)}) {
-      if (!isLine(mesh, edge)) continue;
-      const glm::dvec3 other(mesh.positions()[edge == h ? a : b]);
-      const glm::dvec3 area = 0.5 * glm::cross(other - from, move);
-      boundary += glm::dot(area, area);
-    }
-  });
-  mesh.forEachFace(u, [&](HalfEdgeId, std::uint32_t, std::uint32_t) { ++degree; });
-  const double length2 = glm::dot(move, move);
-  return kLambda * volume * degree + (1.0 - kLambda) * length2 * boundary +
-         kVolumeLengthWeight * length2 * length2 * length2;
+// The squared areas that v's border and crease edges sweep when v moves [Lindstrom98, equation 7]:
+// |e × d|²/4.
+void addSweptAreas(const CollapseMesh& mesh, HalfEdgeId h, Form& form) {
+  for (const HalfEdgeId edge : {h, HalfEdgeMesh::prev(h)}) {
+    if (!isLine(mesh, edge)) continue;
+    const glm::dvec3 e = glm::dvec3(mesh.positions()[mesh.mesh().target(edge)]) -
+                         glm::dvec3(mesh.positions()[mesh.mesh().origin(edge)]);
+    form.add({1.0, 0.0, 0.0}, 0.25 * glm::dot(e, e));
+    form.add({0.0, 1.0, 0.0}, 0.25 * glm::dot(e, e));
+    form.add({0.0, 0.0, 1.0}, 0.25 * glm::dot(e, e));
+    form.add(e, -0.25);
+  }
 }
 
 }  // namespace
@@ -115,6 +112,20 @@ Quadric& Quadric::operator+=(const Quadric& o) {
   return *this;
 }
 
+void Form::add(const glm::dvec3& n, double weight) {
+  xx += weight * n.x * n.x;
+  xy += weight * n.x * n.y;
+  xz += weight * n.x * n.z;
+  yy += weight * n.y * n.y;
+  yz += weight * n.y * n.z;
+  zz += weight * n.z * n.z;
+}
+
+double Form::at(const glm::dvec3& d) const {
+  return d.x * (xx * d.x + 2.0 * (xy * d.y + xz * d.z)) + d.y * (yy * d.y + 2.0 * yz * d.z) +
+         zz * d.z * d.z;
+}
+
 double Quadric::at(const glm::dvec3& p) const {
   return p.x * (xx * p.x + 2.0 * (xy * p.y + xz * p.z + x)) +
          p.y * (yy * p.y + 2.0 * (yz * p.z + y)) + p.z * (zz * p.z + 2.0 * z) + c;
@@ -127,29 +138,50 @@ CostModel::CostModel(CollapseCost kind, const CollapseMesh& mesh) : kind_(kind) 
     quadrics_[v] = vertexQuadric(mesh, v);
 }
 
-double CostModel::cost(const CollapseMesh& mesh, std::uint32_t v, std::uint32_t u) const {
-  if (kind_ == CollapseCost::kVolume) return volumeCost(mesh, v, u);
+VertexCost CostModel::around(const CollapseMesh& mesh, std::uint32_t v) const {
+  VertexCost result;
+  result.vertex = v;
+  thread_local std::vector<glm::vec3> normals;
+  normals.clear();
+  mesh.forEachFace(v, [&](HalfEdgeId h, std::uint32_t a, std::uint32_t b) {
+    const glm::dvec3 normal = mesh.areaNormal(v, a, b);
+    normals.emplace_back(normal);
+    ++result.degree;
+    if (kind_ == CollapseCost::kMemoryless) addPlanes(mesh, h, normal, result.surface);
+    if (kind_ == CollapseCost::kVolume) {
+      // The volume that the face sweeps is a third of its height's way times its area.
+      result.surface.add(normal, 1.0 / 36.0);
+      addSweptAreas(mesh, h, result.lines);
+    }
+  });
+  result.weight = kFlatWeight + silhouetteCells(normals) / static_cast<double>(kViewCells);
+  return result;
+}
+
+double CostModel::cost(const CollapseMesh& mesh, const VertexCost& v, std::uint32_t u) const {
   const glm::dvec3 target(mesh.positions()[u]);
-  const double length2 = squaredLength(mesh, v, u);
+  const glm::dvec3 move = target - glm::dvec3(mesh.positions()[v.vertex]);
+  const double length2 = glm::dot(move, move);
   const double shape = kLengthWeight * length2 * length2;  // area · distance² units
-  if (kind_ == CollapseCost::kMemoryless)
-    return std::max(0.0, vertexQuadric(mesh, v).at(target)) + shape;
-  return std::max(0.0, quadrics_[v].at(target) + quadrics_[u].at(target)) + shape;
+  switch (kind_) {
+    case CollapseCost::kVolume: {
+      double degree = v.degree;
+      mesh.forEachFace(u, [&](HalfEdgeId, std::uint32_t, std::uint32_t) { ++degree; });
+      return v.weight *
+             (kLambda * v.surface.at(move) * degree + (1.0 - kLambda) * length2 * v.lines.at(move) +
+              kVolumeLengthWeight * length2 * length2 * length2);
+    }
+    case CollapseCost::kMemoryless:
+      return v.weight * (v.surface.at(move) + shape);
+    case CollapseCost::kQuadric:
+      break;
+  }
+  const double error = quadrics_[v.vertex].at(target) + quadrics_[u].at(target);
+  return v.weight * (std::max(0.0, error) + shape);
 }
 
 void CostModel::collapsed(const HalfEdgeCollapse& collapse) {
   if (kind_ == CollapseCost::kQuadric) quadrics_[collapse.kept] += quadrics_[collapse.removed];
-}
-
-double silhouetteWeight(const CollapseMesh& mesh, std::uint32_t v) {
-  std::uint64_t any = 0;
-  std::uint64_t all = ~std::uint64_t{0};
-  mesh.forEachFace(v, [&](HalfEdgeId, std::uint32_t a, std::uint32_t b) {
-    const std::uint64_t cells = facingCells(mesh.areaNormal(v, a, b));
-    any |= cells;
-    all &= cells;
-  });
-  return kFlatWeight + std::popcount(any & ~all) / static_cast<double>(kViewCells);
 }
 
 }  // namespace limn

@@ -108,17 +108,18 @@ LevelSimplifier::bestCollapse(std::uint32_t v, const CollapseLimits& limits, dou
   mesh_.mesh().ring(v, ring);
   if (ring.empty() || ring.size() > limits.removedValence) return std::nullopt;
   targets.clear();
+  const VertexCost vertexCost = costs_.around(mesh_, v);
   bool isSmall = true;
   for (const std::uint32_t u : ring) {
     isSmall = isSmall && squaredEdge(v, u) < smallEdge2_;
-    if (parentIn_[u] != stamp_) targets.emplace_back(costs_.cost(mesh_, v, u), u);
+    if (parentIn_[u] != stamp_) targets.emplace_back(costs_.cost(mesh_, vertexCost, u), u);
   }
   std::sort(targets.begin(), targets.end());
   const double leastCosine = isSmall ? kStages.back().leastNormalCosine : limits.leastNormalCosine;
   for (const auto& [targetCost, u] : targets) {
     const auto collapse = mesh_.plan(v, u, leastCosine);
     if (!collapse || collapse->ringSize > limits.keptValence) continue;
-    *cost = targetCost * silhouetteWeight(mesh_, v);
+    *cost = targetCost;
     return collapse;
   }
   return std::nullopt;

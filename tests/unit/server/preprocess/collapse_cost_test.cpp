@@ -78,8 +78,10 @@ TEST(CollapseCostTest, VolumeCostIsTheFormulaOfThePaper) {
       const double expected = 0.5 * volumes * static_cast<double>(ring.size() + ringU.size());
       const double length = glm::distance(to, glm::dvec3(mesh.positions[v]));
       const double tieBreaker = 1e-4 * std::pow(length, 6.0);
-      EXPECT_GE(model.cost(work, v, u), expected * (1.0 - 1e-9));
-      EXPECT_LE(model.cost(work, v, u), expected * (1.0 + 1e-9) + tieBreaker);
+      const VertexCost vertexCost = model.around(work, v);
+      const double cost = model.cost(work, vertexCost, u) / vertexCost.weight;
+      EXPECT_GE(cost, expected * (1.0 - 1e-9));
+      EXPECT_LE(cost, expected * (1.0 + 1e-9) + tieBreaker);
     }
   }
 }
@@ -98,9 +100,10 @@ TEST(CollapseCostTest, LeavingACreaseOrBorderCostsMoreThanFollowingIt) {
       if (!work.mesh().isBorderVertex(v)) continue;
       work.mesh().ring(v, ring);
       if (ring.size() != 4) continue;  // corners, and where the diagonal leads to one
-      const double along = model.cost(work, v, ring.front());
+      const double along = model.cost(work, model.around(work, v), ring.front());
       for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
-        EXPECT_GT(model.cost(work, v, ring[i]), 10.0 * along) << static_cast<int>(kind);
+        EXPECT_GT(model.cost(work, model.around(work, v), ring[i]), 10.0 * along)
+            << static_cast<int>(kind);
         ++checked;
       }
     }
@@ -121,25 +124,53 @@ TEST(CollapseCostTest, CostsDoNotDependOnWhereTheMeshLies) {
     for (std::uint32_t v = 0; v < mesh.positions.size(); v += 5) {
       here.mesh().ring(v, ring);
       for (const std::uint32_t u : ring) {
-        const double cost = modelHere.cost(here, v, u);
-        EXPECT_NEAR(modelThere.cost(there, v, u), cost, 1e-6 * cost + 1e-3);
+        const double cost = modelHere.cost(here, modelHere.around(here, v), u);
+        EXPECT_NEAR(
+            modelThere.cost(there, modelThere.around(there, v), u),
+            cost,
+            1e-6 * cost + 1e-3);
       }
-      EXPECT_EQ(silhouetteWeight(here, v), silhouetteWeight(there, v));
+      EXPECT_EQ(modelHere.around(here, v).weight, modelThere.around(there, v).weight);
     }
   }
 }
 
-TEST(SilhouetteWeight, IsLeastWhereNoViewSeesASilhouetteAndGrowsAtRidges) {
-  const TriangleMesh cube = primitives::cube();
-  const CollapseMesh work = collapsible(cube);
+// Memoryless: the sum over v's planes, spelled out.
+TEST(CollapseCostTest, MemorylessCostIsTheQuadricOfTheFacesAround) {
+  const TriangleMesh mesh = primitives::bumpySphere(3, 2);
+  const CollapseMesh work = collapsible(mesh, 179.0);
+  const CostModel model(CollapseCost::kMemoryless, work);
+  std::vector<std::uint32_t> ring;
+  for (std::uint32_t v = 0; v < mesh.positions.size(); v += 7) {
+    work.mesh().ring(v, ring);
+    for (const std::uint32_t u : ring) {
+      Quadric quadric;
+      work.forEachFace(v, [&](HalfEdgeId, std::uint32_t a, std::uint32_t b) {
+        const glm::dvec3 normal = work.areaNormal(v, a, b);
+        const double length = glm::length(normal);
+        quadric.addPlane(normal / length, glm::dvec3(mesh.positions[v]), length / 6.0);
+      });
+      const double expected = quadric.at(glm::dvec3(mesh.positions[u]));
+      const VertexCost vertexCost = model.around(work, v);
+      const double cost = model.cost(work, vertexCost, u) / vertexCost.weight;
+      const double length =
+          glm::distance(glm::dvec3(mesh.positions[u]), glm::dvec3(mesh.positions[v]));
+      EXPECT_NEAR(cost, expected, 2e-3 * std::pow(length, 4.0) + 1e-6 * expected);
+    }
+  }
+}
+
+TEST(CollapseCostTest, RegionsThatManyViewsSeeAsSilhouetteWeighMore) {
+  const CollapseMesh cube = collapsible(primitives::cube());
+  const CostModel cubeModel(CollapseCost::kVolume, cube);
   TriangleMesh sheet = primitives::openGrid(4, 4);
   for (glm::ivec3& p : sheet.positions)
     p.z = 0;
   const CollapseMesh flat = collapsible(sheet);
-  const double least = silhouetteWeight(flat, 5);
+  const double least = CostModel(CollapseCost::kVolume, flat).around(flat, 5).weight;
   EXPECT_GT(least, 0.0);
-  for (std::uint32_t v = 0; v < cube.positions.size(); ++v)
-    EXPECT_GT(silhouetteWeight(work, v), least + 0.5);
+  for (std::uint32_t v = 0; v < cube.positions().size(); ++v)
+    EXPECT_GT(cubeModel.around(cube, v).weight, least + 0.5);
 }
 
 }  // namespace
