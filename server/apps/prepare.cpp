@@ -157,7 +157,7 @@ int run(int argc, char** argv) {
          arguments.options.forest.cost,
          "Which edges collapse first: volume, quadric, memoryless")
       ->transform(CLI::CheckedTransformer(costs))
-      ->default_str("quadric");
+      ->default_str("memoryless");
   app.add_option(
          "--placement",
          arguments.placement,

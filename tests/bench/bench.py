@@ -41,12 +41,12 @@ class Table:
         entry = {"row": row, "mesh": mesh, "ours": ours, "reference": reference, "ratio": ratio, "target": target,
                  "met": met, "unit": unit, "source": quoted}
         self.rows.append(entry)
-        print("%-28s %-22s %12s %12s %8s %8s  %s" % (
+        print("%-36s %-22s %12s %12s %8s %8s  %s" % (
             row, mesh[:22], number(ours, unit), number(reference, unit), "" if ratio is None else "%.3f" % ratio,
             "" if target is None else ("%g" % target), {None: "", True: "met", False: "NOT MET"}[met]), flush=True)
 
     def head(self):
-        print("%-28s %-22s %12s %12s %8s %8s  %s" % ("row", "mesh", "ours", "reference", "ratio", "target", "met"))
+        print("%-36s %-22s %12s %12s %8s %8s  %s" % ("row", "mesh", "ours", "reference", "ratio", "target", "met"))
 
 
 def number(value, unit):
@@ -192,6 +192,41 @@ class Bench:
             dragon = name == "dragon"
             self.table.add("prepare, seconds", name, report["seconds"]["total"], None, 60 if dragon else None, "s")
             self.table.add("prepare, peak memory", name, report["peak_rss_mib"], None, 2048 if dragon else None, "MiB")
+        if not (harness.BIN / "limn-simplify-bench").exists():
+            print("limn-simplify-bench is not built: deploy/packages.sh bench, then again", file=sys.stderr)
+            return
+        for name in self.files:
+            self.simplifiers(name)
+
+    def simplifiers(self, name):
+        """Ours at the level nearest to a tenth of the faces, 12 bits, beside OpenMesh, CGAL and meshoptimizer at as many.
+        rms: both ways, 1e-5 of the diagonal. contour: mean distance of visible contours, px of 1024, 40 views."""
+        views = "10" if self.quick or name == "dragon" else "40"
+        done = subprocess.run([harness.BIN / "limn-simplify-bench", self.files[name], "--shares", "0.1", "--views", views],
+                              check=True, stdout=subprocess.PIPE, text=True, timeout=1800)
+        rows = [json.loads(line) for line in done.stdout.splitlines()]
+        for row in rows:
+            row["method"] = row["method"].replace("cgal-", "").replace("openmesh-", "").replace("meshopt-simplify", "meshopt")
+        errors = {row["method"]: row for row in rows if row["kind"] == "errors"}
+        streams = {row["method"]: row for row in rows if row["kind"] == "stream"}
+        judge = errors["modquadric"]
+        for method, row in errors.items():
+            isDefault = method == "memoryless"
+            self.table.add("10%% rms, %s" % method, name, row["rms"], None if row is judge else judge["rms"],
+                           1.2 if isDefault else None)
+            for key in ("mean", "max", "contour_mean"):
+                self.table.add("10%% %s, %s" % (key.replace("_", " "), method), name, row[key],
+                               None if row is judge else judge[key])
+            self.table.add("10%% volume, %s" % method, name, 100 * row["volume"], None, None, "%")
+            if "faces_per_second" in row:
+                self.table.add("faces a second, %s" % method, name, row["faces_per_second"])
+        for method, row in streams.items():
+            isDefault = method == "memoryless"
+            self.table.add("10%% bytes to Draco, %s" % method, name, errors[method]["draco_ratio"], None,
+                           1.25 if isDefault else None)
+            self.table.add("faces a second, %s" % method, name, row["faces_per_second"], None,
+                           100_000 if isDefault else None, better="higher")
+            self.table.add("exact to Draco, %s" % method, name, row["exact_ratio"])
 
     def silhouette(self):
         """Detection and chaining at 1024 x 1024, medians over a moving camera."""

@@ -376,9 +376,11 @@ int run(int argc, char** argv) {
   Bench bench(options, std::move(repaired->mesh));
   std::vector<std::pair<std::string, ForestOptions>> ours;
   for (const auto& [name, cost] :
-       {std::pair{"quadric", CollapseCost::kQuadric},
-        {"memoryless", CollapseCost::kMemoryless},
-        {"volume", CollapseCost::kVolume}}) {
+       {std::pair{
+            "memoryless",
+            CollapseCost::kMemoryless},  // the default first: references match it
+        {"volume", CollapseCost::kVolume},
+        {"quadric", CollapseCost::kQuadric}}) {
     if (options.cost.empty() || options.cost == name)
       ours.push_back({name, {.baseFaces = options.baseFaces, .cost = cost, .threads = 1}});
   }
