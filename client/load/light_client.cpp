@@ -24,6 +24,7 @@ constexpr double kStartSpread = 0.6180339887498949;
 // Keys of SharedDigests; level blocks follow kLevels, pieces of the seeds kSeeds.
 constexpr int kCoder = 0;  // the part of ModelInfo that two names of one asset share
 constexpr int kBase = 1;
+constexpr int kFeatures = 2;
 constexpr int kLevels = 16;
 constexpr int kSeeds = 1000;
 
@@ -120,8 +121,18 @@ void LightClient::tick(double nowMs) {
 void LightClient::opened(double nowMs) {
   static_cast<void>(nowMs);
   if (state_ != State::kConnecting) return;
-  if (plan_.makeDecoder) decoder_ = plan_.makeDecoder();
+  openChannels();
   send(protocol::Hello{limits::kProtocolVersion, "limn-load"});
+}
+
+void LightClient::openChannels() {
+  channels_.clear();
+  channels_.emplace_back().model = plan_.phase->model;
+  for (const std::string& model : plan_.phase->also)
+    channels_.emplace_back().model = model;
+  for (Channel& channel : channels_) {
+    if (plan_.makeDecoder) channel.decoder = plan_.makeDecoder();
+  }
 }
 
 void LightClient::received(std::span<const std::uint8_t> bytes, double nowMs) {
@@ -137,10 +148,11 @@ void LightClient::received(std::span<const std::uint8_t> bytes, double nowMs) {
     decodeError(message.error().message);
     return;
   }
-  handle(*message, bytes, nowMs);
+  handle(*message, nowMs);
   if (state_ == State::kFinished) return;
-  if (decoder_) {
-    const auto splits = decoder_->decode(*message);
+  const auto channel = protocol::channelOf(message->body);
+  if (channel && *channel < channels_.size() && channels_[*channel].decoder) {
+    const auto splits = channels_[*channel].decoder->decode(*message);
     if (!splits) {
       decodeError(splits.error().message);
       return;
@@ -153,7 +165,10 @@ void LightClient::received(std::span<const std::uint8_t> bytes, double nowMs) {
   }
 }
 
-void LightClient::handle(const protocol::Message& message, protocol::Bytes bytes, double nowMs) {
+void LightClient::handle(const protocol::Message& message, double nowMs) {
+  const auto index = protocol::channelOf(message.body);
+  if (index && *index >= channels_.size()) return decodeError("a channel that is not open");
+  Channel* const channel = index ? &channels_[*index] : nullptr;
   std::visit(
       [&](const auto& body) {
         using T = std::decay_t<decltype(body)>;
@@ -161,22 +176,25 @@ void LightClient::handle(const protocol::Message& message, protocol::Bytes bytes
           if (state_ != State::kConnecting) return decodeError("a second Welcome");
           counters_.connect.add(nowMs - plannedMs_);
           state_ = State::kOpening;
-          send(protocol::Open{0, plan_.phase->model, false});
+          for (std::size_t c = 0; c < channels_.size(); ++c)
+            send(protocol::Open{static_cast<std::uint8_t>(c), channels_[c].model, false});
         } else if constexpr (std::is_same_v<T, protocol::ModelInfo>) {
           handleInfo(body, nowMs);
         } else if constexpr (std::is_same_v<T, protocol::Base>) {
-          checkShared(kBase, bytes);
-          if (baseHere_) return decodeError("a second Base");
-          baseHere_ = true;
+          checkShared(*channel, kBase, body.draco);
+          checkShared(*channel, kFeatures, body.features);
+          if (channel->baseHere) return decodeError("a second Base");
+          channel->baseHere = true;
+          if (!std::ranges::all_of(channels_, &Channel::baseHere)) return;
           counters_.base.add(nowMs - plannedMs_);
           if (!reachedBase_) ++counters_.connected;
           reachedBase_ = true;
         } else if constexpr (std::is_same_v<T, protocol::LevelBlock>) {
-          checkShared(kLevels + body.level, bytes);
+          checkShared(*channel, kLevels + body.level, body.splits);
         } else if constexpr (std::is_same_v<T, protocol::Seeds>) {
-          checkShared(kSeeds + static_cast<int>(body.offset), bytes);
+          checkShared(*channel, kSeeds + static_cast<int>(body.offset), body.seeds);
         } else if constexpr (std::is_same_v<T, protocol::Packet>) {
-          if (!baseHere_) return decodeError("a Packet before the base mesh");
+          if (!channel->baseHere) return decodeError("a Packet before the base mesh");
           answer(body.pose, nowMs, std::nullopt);
         } else if constexpr (std::is_same_v<T, protocol::Settled>) {
           answer(body.pose, nowMs, body.state);
@@ -203,21 +221,25 @@ void LightClient::handle(const protocol::Message& message, protocol::Bytes bytes
 }
 
 void LightClient::handleInfo(const protocol::ModelInfo& info, double nowMs) {
-  if (state_ != State::kOpening) return decodeError("a ModelInfo that nobody asked for");
-  if (info.name != plan_.phase->model) return decodeError("the ModelInfo of another model");
+  Channel& channel = channels_[info.channel];
+  if (state_ != State::kOpening || channel.asset) {
+    return decodeError("a ModelInfo that nobody asked for");
+  }
+  if (info.name != channel.model) return decodeError("the ModelInfo of another model");
+  channel.asset = info.asset;
+  channel.sphere = {info.center, info.radius};
+  checkShared(channel, kCoder, info.splitModel);
+  if (!std::ranges::all_of(channels_, [](const Channel& c) { return c.asset.has_value(); })) return;
   state_ = State::kStreaming;
-  asset_ = info.asset;
-  sphere_ = {info.center, info.radius};
-  checkShared(kCoder, info.splitModel);
   nextPoseMs_ = nowMs;
   if (firstPoseMs_ == 0.0) firstPoseMs_ = nowMs;
   leaveMs_ = plan_.phase->behaviour == Behaviour::kChurn ? nowMs + 1000.0 + 2000.0 * rng_.uniform()
                                                          : kNever;
 }
 
-void LightClient::checkShared(int section, protocol::Bytes bytes) {
-  if (!asset_) return decodeError("a section before its ModelInfo");
-  if (!digests_.matches(*asset_, section, bytes)) {
+void LightClient::checkShared(const Channel& channel, int section, protocol::Bytes bytes) {
+  if (!channel.asset) return decodeError("a section before its ModelInfo");
+  if (!digests_.matches(*channel.asset, section, bytes)) {
     decodeError("the same section has other bytes than another client received");
   }
 }
@@ -231,9 +253,9 @@ void LightClient::answer(std::uint32_t pose, double nowMs, std::optional<protoco
   if (!found->answered) {
     found->answered = true;
     counters_.poseToPacket.add(nowMs - found->plannedMs);
+    counters_.poseToPacketBytes.add(static_cast<double>(acknowledged_ - found->payloadBefore));
   }
-  if (settled && !found->settled) {
-    found->settled = true;
+  if (settled && found->settled < channels_.size() && ++found->settled == channels_.size()) {
     counters_.settled.add(nowMs - found->plannedMs);
   }
 }
@@ -259,7 +281,7 @@ void LightClient::restartAfter(double nowMs, double pauseMs) {
   attemptMs_ = nowMs + pauseMs;
   plannedMs_ = attemptMs_;
   readableAtMs_ = 0.0;
-  baseHere_ = false;
+  channels_.clear();
   nextPoseId_ = 1;
   acknowledged_ = 0;
   poses_.clear();
@@ -284,24 +306,27 @@ void LightClient::decodeError(const std::string& what) {
 }
 
 void LightClient::sendPose(double plannedMs) {
-  const Camera camera = cameraAt(plannedMs);
   const Phase& phase = *plan_.phase;
   protocol::Pose pose;
   pose.id = nextPoseId_++;
-  pose.eye = camera.eye;
-  pose.forward = camera.forward();
-  pose.up = camera.up;
-  pose.fovY = static_cast<float>(camera.fovDegrees * std::numbers::pi / 180.0);
-  if (camera.orthographic) {
-    pose.orthoHeight = 2.0 * glm::length(camera.target - camera.eye) *
-                       std::tan(0.5 * camera.fovDegrees * std::numbers::pi / 180.0);
-  }
   pose.width = phase.width;
   pose.height = phase.height;
   pose.errorPx = static_cast<float>(phase.errorPx);
-  send(pose);
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const Camera camera = cameraAt(channels_[c], plannedMs);
+    pose.channel = static_cast<std::uint8_t>(c);
+    pose.eye = camera.eye;
+    pose.forward = camera.forward();
+    pose.up = camera.up;
+    pose.fovY = static_cast<float>(camera.fovDegrees * std::numbers::pi / 180.0);
+    pose.orthoHeight = camera.orthographic
+                           ? 2.0 * glm::length(camera.target - camera.eye) *
+                                 std::tan(0.5 * camera.fovDegrees * std::numbers::pi / 180.0)
+                           : 0.0;
+    send(pose);
+  }
   ++counters_.posesSent;
-  poses_.push_back({pose.id, plannedMs, false, false});
+  poses_.push_back({pose.id, plannedMs, acknowledged_, false, 0});
   if (poses_.size() > kRememberedPoses) poses_.pop_front();
 }
 
@@ -318,13 +343,13 @@ void LightClient::sendRubbish() {
   outgoing_.push_back(std::move(bytes));
 }
 
-Camera LightClient::cameraAt(double nowMs) const {
+Camera LightClient::cameraAt(const Channel& channel, double nowMs) const {
   const Phase& phase = *plan_.phase;
   const double seconds = (nowMs - firstPoseMs_) / 1000.0;
   if (phase.recorded.empty()) {
     const double start = 360.0 * std::fmod(kStartSpread * plan_.index, 1.0);
     return orbitCamera(
-        sphere_,
+        channel.sphere,
         start + phase.speedDegreesPerSecond * seconds,
         phase.elevationDegrees,
         phase.distanceRadii,

@@ -103,23 +103,34 @@ class LightClient {
   struct SentPose {
     std::uint32_t id = 0;
     double plannedMs = 0.0;
+    std::uint64_t payloadBefore = 0;  // received when it was sent
     bool answered = false;
-    bool settled = false;
+    std::size_t settled = 0;  // models that are
+  };
+
+  /// One model of the connection.
+  struct Channel {
+    std::string model;
+    std::optional<Sha256Digest> asset;
+    BoundingSphere sphere;
+    bool baseHere = false;
+    std::unique_ptr<PayloadDecoder> decoder;
   };
 
   void send(const protocol::Body& body) { outgoing_.push_back(protocol::encodeMessage(body)); }
 
   void sendPose(double plannedMs);
   void sendRubbish();
-  void handle(const protocol::Message& message, protocol::Bytes bytes, double nowMs);
+  void handle(const protocol::Message& message, double nowMs);
   void handleInfo(const protocol::ModelInfo& info, double nowMs);
-  void checkShared(int section, protocol::Bytes bytes);
+  void checkShared(const Channel& channel, int section, protocol::Bytes bytes);
+  void openChannels();
   void answer(std::uint32_t pose, double nowMs, std::optional<protocol::Goal> settled);
   void decodeError(const std::string& what);
   /// Ends the client for good. `failure` is empty when all went well.
   void finish(const std::string& failure);
   void restartAfter(double nowMs, double pauseMs);
-  [[nodiscard]] Camera cameraAt(double nowMs) const;
+  [[nodiscard]] Camera cameraAt(const Channel& channel, double nowMs) const;
   [[nodiscard]] bool mayBeThrownOut() const;
 
   Plan plan_;
@@ -137,13 +148,10 @@ class LightClient {
   double firstPoseMs_ = 0.0;
   double readableAtMs_ = 0.0;
   bool reachedBase_ = false;  // ever
-  bool baseHere_ = false;     // on this connection
   std::uint32_t nextPoseId_ = 1;
   std::uint64_t acknowledged_ = 0;
   std::deque<SentPose> poses_;  // the latest ones, for the latencies
-  std::unique_ptr<PayloadDecoder> decoder_;
-  std::optional<Sha256Digest> asset_;
-  BoundingSphere sphere_;
+  std::vector<Channel> channels_;
 };
 
 }  // namespace limn::load

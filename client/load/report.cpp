@@ -119,6 +119,11 @@ std::string reportJson(
     }
     entry["samples"] = latencies->count();
   }
+  for (const Statistic& statistic : kStatistics) {
+    const auto value = counters.poseToPacketBytes.percentile(statistic.fraction);
+    report["pose_to_packet_bytes"][statistic.name] =
+        value ? nlohmann::ordered_json(rounded(*value)) : nullptr;
+  }
   if (server) {
     report["server"] = {
         {"rss_mib_before", rounded(server->rssMibBefore)},

@@ -40,7 +40,10 @@ struct Counters {
   Latencies connect;  // from the planned start to Welcome
   Latencies base;     // from the planned start to the base mesh
   Latencies
-      poseToPacket;   // from a pose's planned time to the first Packet or Settled that names it
+      poseToPacket;  // from a pose's planned time to the first Packet or Settled that names it
+  /// Payload bytes that came after a pose was sent and before the first answer that names it: what
+  /// was on its way, and so how soon a new pose takes effect on a slow link.
+  Latencies poseToPacketBytes;
   Latencies settled;  // from a pose's planned time to its Settled
   /// What went wrong and how often. The texts are few: peers' own words are cut and counted.
   std::map<std::string, std::uint64_t> errors;

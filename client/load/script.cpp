@@ -65,6 +65,21 @@ class TableReader {
     value = static_cast<Integer>(wide);
   }
 
+  void texts(std::string_view key, std::vector<std::string>& values) {
+    known_.push_back(key);
+    const toml::node* node = table_.get(key);
+    if (node == nullptr) return;
+    const toml::array* array = node->as_array();
+    if (array == nullptr || array->size() > 15) {
+      return complain(at(*node) + std::string(key) + " is a list of at most 15 texts");
+    }
+    for (const toml::node& entry : *array) {
+      const auto value = entry.value<std::string>();
+      if (!value) return complain(at(entry) + std::string(key) + " is a list of texts");
+      values.push_back(*value);
+    }
+  }
+
   void text(std::string_view key, std::string& value) {
     known_.push_back(key);
     const toml::node* node = table_.get(key);
@@ -190,6 +205,7 @@ Result<Phase> parsePhase(const toml::table& table, const std::filesystem::path& 
   reader.number("ramp_s", 0.0, 86'400.0, phase.rampSeconds);
   reader.number("hold_s", 0.0, 86'400.0, phase.holdSeconds);
   reader.text("model", phase.model);
+  reader.texts("also", phase.also);
   reader.text("path", phase.path);
   reader.number("speed_deg_s", -3'600.0, 3'600.0, phase.speedDegreesPerSecond);
   reader.number("elevation_deg", -90.0, 90.0, phase.elevationDegrees);

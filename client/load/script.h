@@ -36,6 +36,7 @@ struct Phase {
   double rampSeconds = 0.0;   // the clients start evenly spread over it
   double holdSeconds = 10.0;  // from the end of the ramp
   std::string model;
+  std::vector<std::string> also;         // more models, opened beside it on the same connection
   std::string path = "orbit";            // "orbit", or the file that `recorded` came from
   std::vector<RecordedCamera> recorded;  // empty: orbit; otherwise played in a loop
   double speedDegreesPerSecond = 15.0;

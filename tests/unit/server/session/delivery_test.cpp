@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Delivery over a connection's whole life: room, seeds, several models, slow links.
+#include "tests/property/mutate.h"
 #include "tests/unit/server/session/session_link.h"
 
 #include "shared/codec/seed_codec.h"
 #include "shared/core/rng.h"
 
+#include <array>
 #include <cmath>
 #include <deque>
 
@@ -300,6 +302,51 @@ TEST(Delivery, ModelsInViewShareTheConnection) {
     farthest = std::max(farthest, std::abs(lead));
   }
   EXPECT_LE(farthest, 2) << "no channel gets far ahead of its equal";
+}
+
+// Damaged messages of a client are refused, and what the server sends stays decodable by whoever
+// keeps to the rules on the other channel.
+TEST(Delivery, DamagedMessagesHurtNobodyElse) {
+  Rng rng(12);
+  const int rounds = mutationRounds(600);
+  std::optional<Link> link;
+  int closed = 0;
+  for (int round = 0; round < rounds; ++round) {
+    if (!link || link->session_.close()) {
+      closed += link ? 1 : 0;
+      link.emplace();
+      link->hello();
+      link->open("torus", 1);
+    }
+    const std::vector<VertexId> ids{bumpy()->forest().vertexCount() - 1};
+    const auto idBytes = encodeIdSet(ids);
+    const std::vector<std::uint8_t> bits(64, 0xFF);
+    protocol::Pose pose = poseAt(bumpy()->info(), {0, 0, 1});
+    pose.id = static_cast<std::uint32_t>(round);
+    pose.maxSplits = 100;
+    const std::array<protocol::Body, 6> bodies{
+        protocol::Open{0, "bumpy", round % 2 == 0},
+        protocol::HaveSet{0, bumpy()->id(), true, 0, bits, true, 0},
+        pose,
+        protocol::Acknowledge{link->payload_},
+        protocol::Drop{0, idBytes},
+        protocol::GetCatalogue{}};
+    const auto& body = bodies[rng.below(static_cast<std::uint32_t>(bodies.size()))];
+    auto bytes = protocol::encodeMessage(body);
+    if (rng.below(3) != 0) bytes = mutated(std::move(bytes), rng);
+    link->session_.receive(bytes, link->now_);
+    link->tasks_.runAll();
+    link->session_.update(link->now_ += 20);
+    while (auto out = link->session_.nextMessage(link->now_)) {
+      const auto message = protocol::decodeMessage(out->bytes(), protocol::Sender::kServer);
+      ASSERT_TRUE(message) << message.error().message;
+      if (out->payload) link->payload_ += out->bytes().size();
+      // A client that lies about what it holds cannot decode what comes; the other channel can.
+      if (protocol::channelOf(message->body) == 1) link->note(*message);
+    }
+    if (!link->session_.close()) link->acknowledge();
+  }
+  EXPECT_GT(closed, 0);
 }
 
 /// A session at the other end of a slow link, in simulated time: what is sent arrives in order, at
