@@ -16,7 +16,11 @@ SvgPen penOf(
     const StrokeStyle& style,
     float widthPx) {
   const StrokeShape shape = strokeShape(image.ink, image.width);
-  SvgPen pen{texture.color, texture.opacity, widthPx * shape.thickness / style.body, {}};
+  SvgPen pen{
+      texture.color,
+      texture.opacity * shape.strength,
+      widthPx * shape.thickness / style.body,
+      {}};
   // Textures grow with the stroke, and so do their dashes.
   for (const float share : shape.dashes)
     pen.dashPx.push_back(share * texture.lengthPx * widthPx / style.widthPx);

@@ -10,6 +10,7 @@ namespace limn {
 /// What a vector line can keep of a stroke's picture.
 struct StrokeShape {
   float thickness = 1.0F;  // share of the picture's height that is inked, where it is
+  float strength = 1.0F;   // mean ink of what is inked
   /// Lengths of ink and gap in turn, as shares of the repeat; empty when inked throughout. Dashes
   /// of much the same length are one dash.
   std::vector<float> dashes;

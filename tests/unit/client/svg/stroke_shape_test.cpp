@@ -25,6 +25,7 @@ TEST(StrokeShape, ASolidStrokeHasNoDashes) {
   const StrokeShape shape = strokeShape(picture("################"), 16);
   EXPECT_TRUE(shape.dashes.empty());
   EXPECT_FLOAT_EQ(shape.thickness, 0.5F);
+  EXPECT_FLOAT_EQ(shape.strength, 1.0F);
 }
 
 TEST(StrokeShape, DashesOfOneLengthAreOneDash) {
