@@ -229,15 +229,28 @@ class Bench:
             self.table.add("exact to Draco, %s" % method, name, row["exact_ratio"])
 
     def silhouette(self):
-        """Detection and chaining at 1024 x 1024, medians over a moving camera."""
-        names = [n for n in ("bunny-closed", "turbine-blade", "dragon") if n in self.files] or list(self.files)[-1:]
+        """Detection and chaining of limn-silhouette-bench (processor time, medians over random views and an orbit), and
+        VTK's silhouette filter on the same files where python3-vtk9 is installed."""
+        names = [n for n in ("bunny-closed", "turbine-blade", "dragon") if n in self.files]
+        if names:
+            os.environ["LIMN_MODELS"] = str(self.files[names[0]].parent)
+        cones = {}
+        for line in harness.run("limn-silhouette-bench", *(["--quick"] if self.quick else [])).splitlines():
+            row = json.loads(line)
+            mesh = row["mesh"].removesuffix(".ply")
+            if row["row"] == "cones, edges":
+                cones[mesh] = row["ours"]
+            self.table.add("silhouette, " + row["row"], mesh, row["ours"], row["reference"] or None, row["target"] or None,
+                           row["unit"])
+        script = pathlib.Path(__file__).resolve().parent / "vtk_silhouette.py"
         for name in names:
-            for detector in ("brute", "cones", "precomputed"):
-                report = self.draw("--mesh", self.files[name], "--detector", detector, "--frames", "60", "--path", "orbit",
-                                   "--size", "1024x1024")
-                times = report["frame_ms"]
-                target = 1 if name == "bunny-closed" and detector == "cones" else None
-                self.table.add("detect+chain, " + detector, name, times["detect"] + times["chain"], None, target, "ms")
+            if name not in cones:
+                continue
+            run = subprocess.run([sys.executable, str(script), str(self.files[name])], capture_output=True, text=True)
+            if run.returncode:
+                print("silhouette: no rows against VTK: " + (run.stderr.strip().splitlines() or ["it failed"])[-1])
+                break
+            self.table.add("silhouette, cones / VTK", name, cones[name], float(run.stdout), 1 / 250, "ms")
 
     def visibility(self):
         """Which silhouette edges are visible, resolved on the CPU: six views at 1024 x 1024, against rays of Embree's where

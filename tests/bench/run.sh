@@ -14,7 +14,7 @@ cmake --preset release -DLIMN_BUILD_TESTS=ON -DLIMN_BUILD_BENCH=ON >build/releas
   cat build/release/configure.log >&2
   exit 1
 }
-cmake --build --preset release --target limn-codec-bench limn-prepare limn-server limn-client limn-load limn-visibility-bench limn-device-visibility-bench limn-selection-bench limn-delivery-bench limn-simplify-bench >build/release/bench-build.log 2>&1 || {
+cmake --build --preset release --target limn-codec-bench limn-prepare limn-server limn-client limn-load limn-visibility-bench limn-device-visibility-bench limn-selection-bench limn-delivery-bench limn-simplify-bench limn-silhouette-bench >build/release/bench-build.log 2>&1 || {
   tail -n 40 build/release/bench-build.log >&2
   echo "run.sh: the build failed (above)" >&2
   exit 1
