@@ -136,6 +136,13 @@ Result<Body> read(const wire::Drop& m) {
   return Drop{m.channel(), view(m.ids())};
 }
 
+Result<Body> read(const wire::GetHull& m) {
+  if (m.side() > HullSide::MAX) return bad("GetHull.side is unknown");
+  if (m.faces() > limits::kMaxHullFaces) return tooLarge("GetHull.faces");
+  if (m.held() > limits::kMaxHullPieces) return tooLarge("GetHull.held");
+  return GetHull{m.channel(), m.side(), m.faces(), m.held()};
+}
+
 Result<Body> read(const wire::Welcome& m) {
   if (!isText(view(m.server()), limits::kMaxNameBytes))
     return bad("Welcome.server is no short text");
@@ -198,6 +205,23 @@ Result<void> checkLevels(const ModelInfo& info) {
   return {};
 }
 
+Result<HullInfo> readHull(const wire::HullInfo& m) {
+  const HullInfo hull{
+      m.extra_bits(),
+      m.outer_base(),
+      m.outer_finest(),
+      m.inner_base(),
+      m.inner_finest(),
+      view(m.reason())};
+  if (!isText(hull.reason, limits::kMaxTextBytes)) return bad("HullInfo.reason is no text");
+  if (hull.extraBits > limits::kMaxHullExtraBits) return bad("HullInfo.extra_bits");
+  if (hull.outerFinest > limits::kMaxHullFaces || hull.innerFinest > limits::kMaxHullFaces)
+    return tooLarge("HullInfo.faces");
+  if (hull.outerBase > hull.outerFinest || hull.innerBase > hull.innerFinest)
+    return bad("HullInfo has a base finer than its finest level");
+  return hull;
+}
+
 Result<Body> read(const wire::ModelInfo& m) {
   ModelInfo info;
   info.channel = m.channel();
@@ -230,6 +254,11 @@ Result<Body> read(const wire::ModelInfo& m) {
   if (info.splitModel.size() > limits::kMaxSplitModelBytes)
     return tooLarge("ModelInfo.split_model");
   if (info.seedBytes > limits::kMaxSeedBytes) return tooLarge("ModelInfo.seed_bytes");
+  if (m.hull() != nullptr) {
+    const auto hull = readHull(*m.hull());
+    if (!hull) return tl::unexpected(hull.error());
+    info.hull = *hull;
+  }
   if (m.level_begin()->size() > limits::kMaxLevels + 1) return tooLarge("ModelInfo.level_begin");
   info.levelBegin.assign(m.level_begin()->begin(), m.level_begin()->end());
   if (auto levels = checkLevels(info); !levels) return tl::unexpected(levels.error());
@@ -281,6 +310,17 @@ Result<Body> read(const wire::Full& m) {
   return Full{m.channel(), m.pose(), m.missing()};
 }
 
+Result<Body> read(const wire::Hull& m) {
+  if (m.side() > HullSide::MAX) return bad("Hull.side is unknown");
+  return Hull{m.channel(), m.side(), view(m.draco())};
+}
+
+Result<Body> read(const wire::HullSplits& m) {
+  if (m.side() > HullSide::MAX) return bad("HullSplits.side is unknown");
+  if (m.piece() >= limits::kMaxHullPieces) return tooLarge("HullSplits.piece");
+  return HullSplits{m.channel(), m.side(), m.piece(), view(m.splits())};
+}
+
 Result<Body> readBody(const wire::Message& m) {
   switch (m.body_type()) {
     case wire::Body::Hello:
@@ -319,6 +359,12 @@ Result<Body> readBody(const wire::Message& m) {
       return read(*m.body_as_Dropped());
     case wire::Body::Full:
       return read(*m.body_as_Full());
+    case wire::Body::GetHull:
+      return read(*m.body_as_GetHull());
+    case wire::Body::Hull:
+      return read(*m.body_as_Hull());
+    case wire::Body::HullSplits:
+      return read(*m.body_as_HullSplits());
     case wire::Body::NONE:
       break;
   }
@@ -423,6 +469,18 @@ struct Writer {
     const auto model = bytesOf(b, m.splitModel);
     const wire::Grid grid(fromGlm(m.gridOrigin), m.gridStep, static_cast<std::uint8_t>(m.gridBits));
     const wire::Vec3 center = fromGlm(m.center);
+    flatbuffers::Offset<wire::HullInfo> hull;
+    if (m.hull) {
+      const auto reason = m.hull->reason.empty() ? 0 : textOf(b, m.hull->reason);
+      hull = wire::CreateHullInfo(
+          b,
+          m.hull->extraBits,
+          m.hull->outerBase,
+          m.hull->outerFinest,
+          m.hull->innerBase,
+          m.hull->innerFinest,
+          reason);
+    }
     wire::ModelInfoBuilder info(b);
     info.add_channel(m.channel);
     info.add_name(name);
@@ -437,6 +495,7 @@ struct Writer {
     info.add_block_levels(m.blockLevels);
     info.add_split_model(model);
     info.add_seed_bytes(m.seedBytes);
+    if (m.hull) info.add_hull(hull);
     return info.Finish().Union();
   }
 
@@ -474,6 +533,18 @@ struct Writer {
   auto operator()(const Full& m) {
     return wire::CreateFull(b, m.channel, m.pose, m.missing).Union();
   }
+
+  auto operator()(const GetHull& m) {
+    return wire::CreateGetHull(b, m.channel, m.side, m.faces, m.held).Union();
+  }
+
+  auto operator()(const Hull& m) {
+    return wire::CreateHull(b, m.channel, m.side, bytesOf(b, m.draco)).Union();
+  }
+
+  auto operator()(const HullSplits& m) {
+    return wire::CreateHullSplits(b, m.channel, m.side, m.piece, bytesOf(b, m.splits)).Union();
+  }
 };
 
 /// Everything else is a server's.
@@ -481,7 +552,7 @@ template <class T>
 constexpr bool kSentByClient =
     std::is_same_v<T, Hello> || std::is_same_v<T, GetCatalogue> || std::is_same_v<T, Open> ||
     std::is_same_v<T, HaveSet> || std::is_same_v<T, Pose> || std::is_same_v<T, Acknowledge> ||
-    std::is_same_v<T, Drop>;
+    std::is_same_v<T, Drop> || std::is_same_v<T, GetHull>;
 
 // The schema's union numbers types in the order of the variant; typeOf() relies on it.
 static_assert(std::variant_size_v<Body> == static_cast<std::size_t>(wire::Body::MAX));
@@ -534,7 +605,8 @@ std::vector<std::uint8_t> encodeMessage(const Body& body) {
 
 bool isPayload(const Body& body) {
   return std::holds_alternative<Base>(body) || std::holds_alternative<LevelBlock>(body) ||
-         std::holds_alternative<Packet>(body) || std::holds_alternative<Seeds>(body);
+         std::holds_alternative<Packet>(body) || std::holds_alternative<Seeds>(body) ||
+         std::holds_alternative<Hull>(body) || std::holds_alternative<HullSplits>(body);
 }
 
 std::optional<std::uint8_t> channelOf(const Body& body) {

@@ -24,6 +24,7 @@
 namespace limn::protocol {
 
 using wire::Goal;
+using wire::HullSide;
 using wire::ModelState;
 using wire::Silhouette;
 /// Why the peer refused; not to be confused with limn::ErrorCode, which names our own failures.
@@ -81,6 +82,13 @@ struct Drop {
   Bytes ids;  // shared/codec/id_set.h
 };
 
+struct GetHull {
+  std::uint8_t channel = 0;
+  HullSide side = HullSide::kOuter;
+  std::uint32_t faces = 0;
+  std::uint32_t held = 0;  // messages of it that the client has: Hull, then pieces
+};
+
 // ---- Server to client
 
 struct Welcome {
@@ -106,6 +114,15 @@ struct Catalogue {
   std::vector<CatalogueEntry> models;
 };
 
+struct HullInfo {
+  std::uint8_t extraBits = 0;
+  std::uint32_t outerBase = 0;  // faces
+  std::uint32_t outerFinest = 0;
+  std::uint32_t innerBase = 0;
+  std::uint32_t innerFinest = 0;
+  std::string_view reason;  // not empty: there is none
+};
+
 struct ModelInfo {
   std::uint8_t channel = 0;
   std::string_view name;
@@ -122,6 +139,7 @@ struct ModelInfo {
   std::uint8_t blockLevels = 0;
   Bytes splitModel;
   std::uint32_t seedBytes = 0;  // that will come; 0: none, or all at once
+  std::optional<HullInfo> hull;
 };
 
 struct Base {
@@ -173,6 +191,19 @@ struct Full {
   std::uint32_t missing = 0;
 };
 
+struct Hull {
+  std::uint8_t channel = 0;
+  HullSide side = HullSide::kOuter;
+  Bytes draco;
+};
+
+struct HullSplits {
+  std::uint8_t channel = 0;
+  HullSide side = HullSide::kOuter;
+  std::uint32_t piece = 0;
+  Bytes splits;
+};
+
 using Body = std::variant<
     Hello,
     GetCatalogue,
@@ -191,7 +222,10 @@ using Body = std::variant<
     Settled,
     Failure,
     Dropped,
-    Full>;
+    Full,
+    GetHull,
+    Hull,
+    HullSplits>;
 
 /// Who sent a message: decides which types are legal and how long it may be.
 enum class Sender : std::uint8_t { kClient, kServer };
@@ -219,7 +253,8 @@ struct Message {
 /// of the caller: decodeMessage() of the other side will refuse it.
 [[nodiscard]] std::vector<std::uint8_t> encodeMessage(const Body& body);
 
-/// Base, LevelBlock, Packet and Seeds: what Acknowledge counts and the send window bounds.
+/// Base, LevelBlock, Packet, Seeds, Hull and HullSplits: what Acknowledge counts and the send
+/// window bounds.
 [[nodiscard]] bool isPayload(const Body& body);
 
 /// The channel of a message that has one.

@@ -57,21 +57,25 @@ json cameraJson(const Camera& camera, const Viewport& viewport) {
 
 }  // namespace
 
-std::string meshPly(const MeshSnapshot& snapshot) {
-  const auto positions = snapshot.mesh.positions();
-  const auto triangles = snapshot.mesh.mesh().triangles();
-  std::string ply =
-      "ply\nformat binary_little_endian 1.0\ncomment limn-client mesh; qx qy qz: grid of the "
-      "model\n"
-      "element vertex " +
-      std::to_string(positions.size()) +
-      "\nproperty double x\nproperty double y\nproperty double z\n"
-      "property int qx\nproperty int qy\nproperty int qz\n"
-      "element face " +
-      std::to_string(triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+namespace {
+
+std::string plyOf(
+    const Grid& grid,
+    std::span<const glm::ivec3> positions,
+    std::span<const glm::uvec3> triangles,
+    std::string_view comment) {
+  std::string ply = "ply\nformat binary_little_endian 1.0\ncomment " + std::string(comment) +
+                    "\n"
+                    "element vertex " +
+                    std::to_string(positions.size()) +
+                    "\nproperty double x\nproperty double y\nproperty double z\n"
+                    "property int qx\nproperty int qy\nproperty int qz\n"
+                    "element face " +
+                    std::to_string(triangles.size()) +
+                    "\nproperty list uchar int vertex_indices\nend_header\n";
   ply.reserve(ply.size() + 36 * positions.size() + 13 * triangles.size());
   for (const glm::ivec3& p : positions) {
-    const glm::dvec3 model = snapshot.model.grid.toModel(p);
+    const glm::dvec3 model = grid.toModel(p);
     for (int i = 0; i < 3; ++i)
       appendLittleEndian<double>(ply, model[i]);
     for (int i = 0; i < 3; ++i)
@@ -84,6 +88,20 @@ std::string meshPly(const MeshSnapshot& snapshot) {
     }
   }
   return ply;
+}
+
+}  // namespace
+
+std::string meshPly(const MeshSnapshot& snapshot) {
+  return plyOf(
+      snapshot.model.grid,
+      snapshot.mesh.positions(),
+      snapshot.mesh.mesh().triangles(),
+      "limn-client mesh; qx qy qz: grid of the model");
+}
+
+std::string hullPly(const TriangleMesh& hull) {
+  return plyOf(hull.grid, hull.positions, hull.triangles, "limn-client hull; qx qy qz: its grid");
 }
 
 std::string linesJson(const LineDump& dump) {

@@ -16,6 +16,9 @@ namespace limn {
 /// units) and int qx, qy, qz (grid), faces as uchar-counted lists of int.
 [[nodiscard]] std::string meshPly(const MeshSnapshot& snapshot);
 
+/// A hull in the same form; qx, qy, qz on the hull's own grid.
+[[nodiscard]] std::string hullPly(const TriangleMesh& hull);
+
 struct LineDump {
   const MeshSnapshot& snapshot;
   const PolylineSet& lines;

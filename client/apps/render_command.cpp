@@ -259,6 +259,9 @@ class Drawing {
     if (!options_.dumpMesh.empty()) {
       if (auto ok = writeOutputFile(options_.dumpMesh, meshPly(*outcome_.snapshot)); !ok) return ok;
     }
+    const MeshSnapshot& snapshot = *outcome_.snapshot;
+    if (auto ok = writeHull(options_.dumpHull, snapshot.outerHull); !ok) return ok;
+    if (auto ok = writeHull(options_.dumpInnerHull, snapshot.innerHull); !ok) return ok;
     if (options_.report.empty()) return {};
     RenderReport report;
     report.outcome = &outcome_;
@@ -277,6 +280,16 @@ class Drawing {
   const LineResolver& resolver() {
     if (!resolver_) resolver_.emplace(*outcome_.snapshot);
     return *resolver_;
+  }
+
+  Result<void> writeHull(
+      const std::filesystem::path& path,
+      const std::shared_ptr<const ProgressiveHull>& hull) {
+    if (path.empty()) return {};
+    if (!hull) return fail(ErrorCode::kUnavailable, "the hull has not arrived: allow more");
+    const auto level = hullAfter(*hull, hull->splitsFor(options_.hullFaces));
+    if (!level) return tl::unexpected(level.error());
+    return writeOutputFile(path, hullPly(*level));
   }
 
   Result<void> finish(const Camera& camera, const LineFinder::Lines& found) {
@@ -356,6 +369,8 @@ Result<void> runRender(const RenderCommandOptions& options) {
   sessionOptions.session.memoryBytes = options.memoryMib << 20;
   sessionOptions.session.needsSeeds =
       options.detector == DetectorMethod::kPrecomputed && until.state > MeshState::kBase;
+  if (!options.dumpHull.empty()) sessionOptions.session.outerHullFaces = options.hullFaces;
+  if (!options.dumpInnerHull.empty()) sessionOptions.session.innerHullFaces = options.hullFaces;
   sessionOptions.publishEveryMs = kNeverMs;
   if (follows) sessionOptions.session.stop.kind = StopCondition::Kind::kNever;
   ClientSession session(source->connect, sessionOptions);

@@ -60,11 +60,7 @@ struct RawFlags {
 };
 
 /// Flags of commands whose feature is not there yet: known, so that the answer is a clear one.
-constexpr std::array<const char*, 4> kLaterFlags = {
-    "--hull-faces",
-    "--contours",
-    "--dump-hull",
-    "--dump-inner-hull"};
+constexpr std::array<const char*, 1> kLaterFlags = {"--contours"};
 
 Result<void> understandStrokes(const RawFlags& raw, RenderCommandOptions& options) {
   const auto kind = parseBrushKind(raw.brush);
@@ -262,6 +258,10 @@ void addRender(
   app.add_option("--svg", raw.svg, "Strokes as vector paths, in layers (SVG); --path: as --out");
   path("--report", o.report, "Report (JSON)");
   path("--dump-mesh", o.dumpMesh, "The client's mesh (PLY)");
+  path("--dump-hull", o.dumpHull, "The outer hull with --hull-faces faces (PLY)");
+  path("--dump-inner-hull", o.dumpInnerHull, "The inner hull with --hull-faces faces (PLY)");
+  app.add_option("--hull-faces", o.hullFaces, "Faces of the hulls, or as near from below (500)")
+      ->check(CLI::Range(4, 1 << 20));
   path("--dump-lines", o.dumpLines, "The lines, with visibility (JSON)");
   app.add_flag("--check", o.check, "Measure recall against brute force, and contour errors");
   path("--reference", o.reference, "Asset directory to compare contours with, for --check");
@@ -349,8 +349,11 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
   if (auto ok = understandDrawing(raw, options); !ok) return tl::unexpected(ok.error());
   if (!options.reference.empty() && !options.check) return wrong("--reference goes with --check");
   if (options.out.empty() && options.svg.empty() && options.report.empty() &&
-      options.dumpMesh.empty() && options.dumpLines.empty()) {
-    return wrong("nothing to write: give --out, --svg, --report, --dump-mesh or --dump-lines");
+      options.dumpMesh.empty() && options.dumpLines.empty() && options.dumpHull.empty() &&
+      options.dumpInnerHull.empty()) {
+    return wrong(
+        "nothing to write: give --out, --svg, --report, --dump-mesh, --dump-lines, --dump-hull or "
+        "--dump-inner-hull");
   }
   return CommandLine{std::move(options), nullptr, {}};
 }

@@ -74,6 +74,9 @@ struct RenderCommandOptions {
   std::filesystem::path svg;
   std::filesystem::path report;
   std::filesystem::path dumpMesh;
+  std::filesystem::path dumpHull;
+  std::filesystem::path dumpInnerHull;
+  std::uint32_t hullFaces = 500;
   std::filesystem::path dumpLines;
   bool check = false;
   std::filesystem::path reference;  // an asset directory to compare contours with

@@ -18,6 +18,10 @@ void ByteCounters::count(const protocol::Body& body, std::size_t wireBytes) {
     packets += wireBytes;
   } else if (std::holds_alternative<protocol::Seeds>(body)) {
     seeds += wireBytes;
+  } else if (
+      std::holds_alternative<protocol::Hull>(body) ||
+      std::holds_alternative<protocol::HullSplits>(body)) {
+    hull += wireBytes;
   } else {
     control += wireBytes;
   }

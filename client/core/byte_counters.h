@@ -17,7 +17,7 @@ struct ByteCounters {
   std::uint64_t packets = 0;
   std::uint64_t features = 0;  // Base.features; feature bits inside splits count as splits
   std::uint64_t seeds = 0;
-  std::uint64_t hull = 0;  // no message of version 1 carries these three
+  std::uint64_t hull = 0;
   std::uint64_t maps = 0;
   std::uint64_t contours = 0;
   std::uint64_t control = 0;  // everything else

@@ -231,6 +231,8 @@ void SessionMachine::handle(
   if (std::ranges::all_of(streams_, &Stream::isOpen)) phase_ = Phase::kStreaming;
   notice_.clear();
   noteProgress(nowMs);
+  askForHulls(stream);
+  if (phase_ == Phase::kFailed) return;
   stream.poses.repeat();
   sendPoseIfDue(stream, nowMs);
 }
@@ -377,6 +379,32 @@ void SessionMachine::sendPoseIfDue(Stream& stream, std::uint64_t nowMs) {
   outbox_.push_back(encodeMessage(*pose));
 }
 
+void SessionMachine::askForHulls(const Stream& stream) {
+  const auto ask = [&](protocol::HullSide side, std::uint32_t faces) {
+    if (faces == 0 || phase_ == Phase::kFailed) return;
+    const auto& hull = stream.decoder.model().hull;
+    if (!hull || !hull->reason.empty()) {
+      return failWith(
+          {ErrorCode::kUnsupported,
+           "'" + stream.model + "' has no hull" +
+               (hull ? ", because " + hull->reason : ": prepare it again with this release")});
+    }
+    outbox_.push_back(encodeMessage(
+        protocol::GetHull{stream.channel, side, faces, stream.decoder.hulls().held(side)}));
+  };
+  ask(protocol::HullSide::kOuter, options_.outerHullFaces);
+  ask(protocol::HullSide::kInner, options_.innerHullFaces);
+}
+
+bool SessionMachine::hullsAreThere(const Stream& stream) const {
+  const auto isThere = [&](protocol::HullSide side, std::uint32_t faces) {
+    return faces == 0 || stream.decoder.hulls().isThere(side, faces, stream.decoder.model());
+  };
+  return stream.decoder.hasModel() &&
+         isThere(protocol::HullSide::kOuter, options_.outerHullFaces) &&
+         isThere(protocol::HullSide::kInner, options_.innerHullFaces);
+}
+
 void SessionMachine::acknowledge() {
   if (taken_ == acknowledged_) return;
   acknowledged_ = taken_;
@@ -501,7 +529,8 @@ std::optional<std::uint32_t> SessionMachine::room(std::size_t model) const {
 
 bool SessionMachine::hasReached(MeshState wanted) const {
   return std::ranges::all_of(streams_, [&](const Stream& stream) {
-    return stateOf(stream) >= wanted && (!options_.needsSeeds || stream.decoder.seedsAreThere());
+    return stateOf(stream) >= wanted && (!options_.needsSeeds || stream.decoder.seedsAreThere()) &&
+           hullsAreThere(stream);
   });
 }
 

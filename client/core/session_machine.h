@@ -44,6 +44,9 @@ class SessionMachine {
     /// What the meshes and their snapshots may take, shared evenly by the models; 0: no limit. The
     /// splits least needed are dropped when it is used up.
     std::uint64_t memoryBytes = 0;
+    /// Faces of the hulls that are wanted, and without which no state counts; 0: none.
+    std::uint32_t outerHullFaces = 0;
+    std::uint32_t innerHullFaces = 0;
     std::uint64_t giveUpAfterMs = 30'000;  // of trying to get back to a lost server
     std::uint64_t silenceMs = 30'000;      // of a server that owes something: taken for a loss
     std::uint64_t seed = 1;                // of the backoff's jitter
@@ -161,6 +164,8 @@ class SessionMachine {
   void sendOpen(Stream& stream);
   void sendPoseIfDue(Stream& stream, std::uint64_t nowMs);
   void makeRoom(Stream& stream, std::uint32_t missing);
+  void askForHulls(const Stream& stream);
+  [[nodiscard]] bool hullsAreThere(const Stream& stream) const;
   void acknowledge();
   void lose(const Error& reason, std::uint64_t nowMs, std::uint64_t retryAfterMs);
   void failWith(Error error);

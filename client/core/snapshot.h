@@ -5,13 +5,28 @@
 #include "shared/core/sha256.h"
 #include "shared/mesh/triangle_mesh.h"
 #include "shared/progressive/active_mesh.h"
+#include "shared/progressive/progressive_hull.h"
 #include "shared/silhouette/seed_table.h"
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace limn {
+
+/// The hulls that a model has, or why it has none.
+struct HullDescription {
+  struct Side {
+    std::uint32_t baseFaces = 0;
+    std::uint32_t finestFaces = 0;  // ≥ baseFaces
+  };
+
+  Side outer;
+  Side inner;
+  int extraBits = 0;   // their grid's step is the model's / 2^extraBits
+  std::string reason;  // not empty: there are none
+};
 
 /// What a client knows of a model before its first split (ModelInfo).
 struct ModelDescription {
@@ -22,14 +37,17 @@ struct ModelDescription {
   std::uint32_t vertices = 0;  // of the full mesh
   std::uint32_t faces = 0;
   bool closed = false;
+  std::optional<HullDescription> hull;  // unset: the asset knows of none
 };
 
 /// The client's mesh at one moment. Immutable; crosses threads as shared_ptr<const MeshSnapshot>.
 struct MeshSnapshot {
   ModelDescription model;
   ActiveMesh mesh;
-  std::shared_ptr<const SeedTable> seeds;  // null until they have arrived
-  std::uint64_t revision = 0;              // grows with every published change
+  std::shared_ptr<const SeedTable> seeds;            // null until they have arrived
+  std::shared_ptr<const ProgressiveHull> outerHull;  // null until asked for and arrived
+  std::shared_ptr<const ProgressiveHull> innerHull;
+  std::uint64_t revision = 0;  // grows with every published change
 };
 
 }  // namespace limn

@@ -25,6 +25,13 @@ ModelDescription describe(const protocol::ModelInfo& info) {
   model.vertices = info.vertices;
   model.faces = info.faces;
   model.closed = info.closed;
+  if (info.hull) {
+    model.hull = HullDescription{
+        {info.hull->outerBase, info.hull->outerFinest},
+        {info.hull->innerBase, info.hull->innerFinest},
+        info.hull->extraBits,
+        std::string(info.hull->reason)};
+  }
   return model;
 }
 
@@ -110,6 +117,18 @@ Result<void> StreamDecoder::take(const protocol::Seeds& message) {
   return {};
 }
 
+Result<void> StreamDecoder::take(const protocol::Hull& message) {
+  if (!model_) return fail(ErrorCode::kProtocol, "a hull came before the model's description");
+  ++revision_;
+  return hulls_.take(message, *model_);
+}
+
+Result<void> StreamDecoder::take(const protocol::HullSplits& message) {
+  if (!model_) return fail(ErrorCode::kProtocol, "a hull came before the model's description");
+  ++revision_;
+  return hulls_.take(message, *model_);
+}
+
 Result<void> StreamDecoder::undo(std::span<const VertexId> ids) {
   ++revision_;
   for (std::size_t i = ids.size(); i-- > 0;) {
@@ -145,6 +164,7 @@ void StreamDecoder::drop() {
   seedBytesExpected_ = 0;
   seedBytesHeld_ = 0;
   seedPieces_ = {};
+  hulls_ = {};
   ++revision_;
 }
 
@@ -153,6 +173,8 @@ std::shared_ptr<const MeshSnapshot> StreamDecoder::snapshot() const {
   if (model_) snapshot->model = *model_;
   snapshot->mesh = mesh_;
   snapshot->seeds = seeds_;
+  snapshot->outerHull = hulls_.hull(protocol::HullSide::kOuter);
+  snapshot->innerHull = hulls_.hull(protocol::HullSide::kInner);
   snapshot->revision = revision_;
   return snapshot;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/core/hull_streams.h"
 #include "client/core/snapshot.h"
 
 #include "protocol/messages.h"
@@ -24,14 +25,16 @@ class StreamDecoder {
   /// asset drops everything. Errors: kCorrupt, kLimitExceeded (the split model).
   [[nodiscard]] Result<void> beginModel(const protocol::ModelInfo& info);
 
-  /// Takes Base, LevelBlock, Packet or Seeds of this model; no splits before the base mesh. A split
-  /// whose prerequisites are missing is an error, which also keeps level blocks in order. Total
-  /// over any bytes: after an error the mesh is still valid, with the splits that came before the
-  /// damage. Errors: kProtocol (order), kCorrupt, kNonManifold, kLimitExceeded.
+  /// Takes Base, LevelBlock, Packet, Seeds, Hull or HullSplits of this model; no splits before the
+  /// base mesh. A split whose prerequisites are missing is an error, which also keeps level blocks
+  /// in order. Total over any bytes: after an error the mesh is still valid, with the splits that
+  /// came before the damage. Errors: kProtocol (order), kCorrupt, kNonManifold, kLimitExceeded.
   [[nodiscard]] Result<void> take(const protocol::Base& message);
   [[nodiscard]] Result<void> take(const protocol::LevelBlock& message);
   [[nodiscard]] Result<void> take(const protocol::Packet& message);
   [[nodiscard]] Result<void> take(const protocol::Seeds& message);
+  [[nodiscard]] Result<void> take(const protocol::Hull& message);
+  [[nodiscard]] Result<void> take(const protocol::HullSplits& message);
 
   /// Undoes splits that the server has dropped from its account; ids ascending. Errors: kProtocol
   /// (a split that cannot be undone: the account is wrong).
@@ -64,6 +67,8 @@ class StreamDecoder {
   /// All seeds that will come are there, if any will.
   [[nodiscard]] bool seedsAreThere() const { return seeds_ || seedBytesExpected_ == 0; }
 
+  [[nodiscard]] const HullStreams& hulls() const { return hulls_; }
+
   /// Grows with every change of the mesh or the seeds.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
@@ -83,6 +88,7 @@ class StreamDecoder {
   std::uint32_t seedBytesExpected_ = 0;
   std::uint32_t seedBytesHeld_ = 0;
   std::vector<std::uint8_t> seedPieces_;  // until they are whole
+  HullStreams hulls_;
   std::uint64_t revision_ = 0;
 };
 

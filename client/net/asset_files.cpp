@@ -168,6 +168,13 @@ Result<AssetFiles> readAssetFiles(const std::filesystem::path& directory) {
     if (!section) return tl::unexpected(section.error());
     std::move(section->begin(), section->end(), std::back_inserter(files.payload));
   }
+  constexpr std::array kHulls = {"hull-outer", "hull-inner"};
+  for (std::size_t side = 0; side < kHulls.size(); ++side) {
+    auto section = readSection(*manifest, directory, kHulls[side]);
+    if (!section && section.error().code == ErrorCode::kNotFound) continue;
+    if (!section) return tl::unexpected(section.error());
+    files.hulls[side] = std::move(*section);
+  }
   return files;
 }
 

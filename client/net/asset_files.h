@@ -3,6 +3,7 @@
 
 #include "shared/core/result.h"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -16,6 +17,8 @@ struct AssetFiles {
   std::string name;                                // of the model, as the preparation had it
   std::vector<std::uint8_t> info;                  // ModelInfo
   std::vector<std::vector<std::uint8_t>> payload;  // Base, LevelBlocks, Seeds, Packets
+  /// Of the outer and the inner hull: Hull, then HullSplits in order; empty: none.
+  std::array<std::vector<std::vector<std::uint8_t>>, 2> hulls;
 };
 
 /// Reads an asset directory and verifies the checksum of everything it takes from it.

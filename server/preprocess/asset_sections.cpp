@@ -71,7 +71,8 @@ WireSections encodeWireSections(
           .closed = identity.closed,
           .levelBegin = forest.levelBegin,
           .blockLevels = static_cast<std::uint8_t>(blockLevels),
-          .splitModel = modelBytes}));
+          .splitModel = modelBytes,
+          .hull = identity.hull}));
 
   const std::vector<std::uint8_t> features = protocol::packBaseFeatures(forest.baseFeatures);
   const auto base =

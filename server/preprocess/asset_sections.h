@@ -3,10 +3,13 @@
 
 #include "server/preprocess/build_forest.h"
 
+#include "protocol/messages.h"
+
 #include "shared/core/sha256.h"
 #include "shared/silhouette/seed_table.h"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace limn {
@@ -27,6 +30,7 @@ struct WireSections {
 struct AssetIdentity {
   Sha256Digest id{};
   bool closed = false;
+  std::optional<protocol::HullInfo> hull{};
 };
 
 /// Encodes everything a client can be sent. Levels of the first 400 vertices (a tenth of them at

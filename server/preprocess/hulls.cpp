@@ -17,6 +17,7 @@ double volumeOf(const TriangleMesh& mesh) {
 
 Hulls buildHulls(const TriangleMesh& mesh, const HullOptions& options, unsigned threads) {
   Hulls hulls;
+  hulls.extraBits = options.extraBits;
   const auto closed = closeHoles(mesh, {});
   if (!closed) {
     hulls.reason = closed.error().message;

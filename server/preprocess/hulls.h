@@ -15,6 +15,7 @@ struct Hulls {
   std::optional<BuiltHull> inner;
   std::string reason;             // set when there are none: "the mesh is open: …"
   std::uint32_t filledHoles = 0;  // that had to be closed first
+  int extraBits = 0;              // their grid: the mesh's step / 2^extraBits
   double meshVolume = 0.0;        // of the closed mesh, model units cubed
 };
 

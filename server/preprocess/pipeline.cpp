@@ -3,6 +3,7 @@
 
 #include "server/preprocess/asset_sections.h"
 #include "server/preprocess/build_seeds.h"
+#include "server/preprocess/hull_sections.h"
 #include "server/preprocess/hulls.h"
 #include "server/preprocess/import.h"
 
@@ -86,8 +87,8 @@ struct Stages {
   double import = 0, repair = 0, hull = 0, simplify = 0, encode = 0, seeds = 0;
 };
 
-Json hullJson(const Hulls& hulls, std::uint32_t faces) {
-  if (!hulls.outer) return {{"reason", "no hull, because " + hulls.reason}};
+Json hullJson(const Hulls& hulls, const HullSections& sections, std::uint32_t faces) {
+  if (!sections.reason.empty()) return {{"reason", "no hull, because " + sections.reason}};
   const auto level = [&](const BuiltHull& built) {
     const ProgressiveHull& hull = built.hull;
     return Json{
@@ -107,6 +108,7 @@ Json makeReport(
     const ImportedMesh& imported,
     const RepairedMesh& repaired,
     const Hulls& hulls,
+    const HullSections& hullSections,
     const BuiltForest& built,
     const WireSections& sections,
     const PrepareOptions& options) {
@@ -138,20 +140,24 @@ Json makeReport(
   const std::uint64_t blocks = wireBytes(sections.blocks);
   const std::uint64_t splits = wireBytes(sections.packets);
   const std::uint64_t seeds = wireBytes(sections.seeds);
+  const std::uint64_t hullOuter = wireBytes(hullSections.outer);
+  const std::uint64_t hullInner = wireBytes(hullSections.inner);
   json["bytes"] = {
       {"base", base},
       {"level_blocks", blocks},
       {"splits", splits},
       {"seeds", seeds},
       {"cones", 0},
-      {"hull_outer", 0},
-      {"hull_inner", 0},
+      {"hull_outer", hullOuter},
+      {"hull_inner", hullInner},
       {"maps", 0},
       {"features", features},
-      {"total", wireBytes(sections.info) + base + features + blocks + splits + seeds}};
+      {"total",
+       wireBytes(sections.info) + base + features + blocks + splits + seeds + hullOuter +
+           hullInner}};
   json["stream_bits_per_vertex"] =
       8.0 * static_cast<double>(base + blocks + splits) / forest.vertexCount();
-  json["hull"] = hullJson(hulls, options.hullFaces);
+  json["hull"] = hullJson(hulls, hullSections, options.hullFaces);
   return json;
 }
 
@@ -219,6 +225,7 @@ Result<std::optional<PreparedModel>> reuse(
 Result<void> writeAsset(
     const WireSections& wire,
     const SplitForest& forest,
+    const HullSections& hulls,
     const Sha256Digest& id,
     const std::string& report,
     AssetStore& store) {
@@ -231,8 +238,12 @@ Result<void> writeAsset(
       {sections::kBlocks, wire.blocks},
       {sections::kPackets, wire.packets},
       {sections::kSeeds, wire.seeds},
+      {sections::kHullOuter, hulls.outer},
+      {sections::kHullInner, hulls.inner},
       {sections::kForest, forestBytes}};
   for (const auto& [section, bytes] : parts) {
+    if (bytes.empty() && (section == sections::kHullOuter || section == sections::kHullInner))
+      continue;
     if (auto added = (*writer)->addSection(section, bytes); !added) return added;
   }
   return (*writer)->commit(report);
@@ -297,13 +308,16 @@ Result<PreparedModel> prepareModel(
   stages.seeds = watch.lap();
 
   progress("encode", 0.85);
-  const WireSections wire = encodeWireSections(*built, *seeds, {*id, repaired->closed});
+  const auto hullSections = encodeHullSections(hulls);
+  const WireSections wire =
+      encodeWireSections(*built, *seeds, {*id, repaired->closed, hullSections->info});
   stages.encode = watch.lap();
 
-  Json report = makeReport(*imported, *repaired, hulls, *built, wire, options);
+  Json report = makeReport(*imported, *repaired, hulls, *hullSections, *built, wire, options);
   report["seconds"] = secondsJson(stages);
   report["peak_rss_mib"] = peakRssMib();
-  if (auto written = writeAsset(wire, built->forest, *id, report.dump(), store); !written) {
+  if (auto written = writeAsset(wire, built->forest, *hullSections, *id, report.dump(), store);
+      !written) {
     return tl::unexpected(written.error());
   }
   if (auto set = named(); !set) return tl::unexpected(set.error());

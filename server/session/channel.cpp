@@ -326,6 +326,7 @@ std::optional<OutMessage> Channel::nextControl() {
 Urgency Channel::urgency() const {
   if (!model_ || !infoSent_ || awaitingHaveSet_) return Urgency::kNothing;
   if (!baseSent_ || !blocksDone_) return inView_ ? Urgency::kPicture : Urgency::kOutOfView;
+  if (hulls_.isPending()) return Urgency::kHull;
   if (!pose_ || plan_ == Plan::kNothing) return Urgency::kNothing;
   const bool isOpen = !exhausted_ && !full_;
   if (isOpen && !prefetching_) {
@@ -344,6 +345,8 @@ std::optional<OutMessage> Channel::nextPayload(const Window& window) {
     case Urgency::kPicture:
     case Urgency::kOutOfView:
       return nextStart(window);
+    case Urgency::kHull:
+      return nextHull(window);
     case Urgency::kNeededAt8:
     case Urgency::kNeededAt4:
     case Urgency::kNeededAt2:
@@ -368,6 +371,20 @@ std::optional<OutMessage> Channel::nextStart(const Window& window) {
     return sharedMessage(model_->base());
   }
   return nextBlock(window);
+}
+
+Result<void> Channel::getHull(const protocol::GetHull& request) {
+  if (!model_ || !infoSent_) {
+    return fail(ErrorCode::kProtocol, "a GetHull came before the model's description");
+  }
+  return hulls_.request(request, *model_);
+}
+
+std::optional<OutMessage> Channel::nextHull(const Window& window) {
+  const protocol::Bytes message = hulls_.next(*model_);
+  if (!window.allows(message.size())) return std::nullopt;
+  hulls_.advance();
+  return sharedMessage(message);
 }
 
 std::optional<OutMessage> Channel::nextSeeds(const Window& window) {

@@ -3,6 +3,7 @@
 
 #include "server/session/catalogue.h"
 #include "server/session/have_set.h"
+#include "server/session/hull_stream.h"
 #include "server/session/model.h"
 #include "server/session/motion.h"
 #include "server/session/scheduler.h"
@@ -46,6 +47,7 @@ struct OutMessage {
 /// How badly the picture lacks what a channel would send next; most urgent first.
 enum class Urgency : std::uint8_t {
   kPicture,    // the start of a model in view
+  kHull,       // what was asked for of the hulls
   kNeededAt8,  // what the pose needs, by TargetClass
   kNeededAt4,
   kNeededAt2,
@@ -84,6 +86,9 @@ class Channel {
   /// Drops what can go and queues the answer. Errors: kProtocol (not an id set of splits held, or
   /// the last Drop's answer is still to be sent).
   [[nodiscard]] Result<void> drop(protocol::Bytes ids);
+
+  /// Errors: kNotFound (no hull), kProtocol (before ModelInfo, or more held than there is).
+  [[nodiscard]] Result<void> getHull(const protocol::GetHull& request);
 
   /// Takes in finished target sets and the passing of time. True when there may be more to send.
   [[nodiscard]] bool update(ViewCells& cells, std::int64_t nowMs);
@@ -132,6 +137,7 @@ class Channel {
   [[nodiscard]] Result<void> finishResume();
   [[nodiscard]] std::optional<OutMessage> nextStart(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextBlock(const Window& window);
+  [[nodiscard]] std::optional<OutMessage> nextHull(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextNeeded(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextAhead(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextSeeds(const Window& window);
@@ -161,6 +167,7 @@ class Channel {
   bool blocksDone_ = false;
   std::uint32_t nextBlock_ = 0;
   std::size_t seedsSent_ = 0;  // bytes
+  HullStream hulls_;
 
   // The pose and what it needs.
   std::optional<protocol::Pose> pose_;

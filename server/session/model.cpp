@@ -34,6 +34,34 @@ Result<std::vector<Bytes>> messagesOf(const Asset& asset, const char* name) {
   }
 }
 
+/// One Hull and its HullSplits in order, or nothing where the asset has no such section.
+/// Errors: kCorrupt.
+Result<std::vector<Bytes>>
+hullMessagesOf(const Asset& asset, const char* name, protocol::HullSide side) {
+  const auto damaged = [name] {
+    return fail(ErrorCode::kCorrupt, std::string(name) + ": not a hull and its splits in order");
+  };
+  std::vector<Bytes> messages;
+  const auto section = asset.section(name);
+  if (!section) return messages;
+  protocol::FrameReader reader(*section);
+  while (true) {
+    const auto next = reader.next();
+    if (!next) return tl::unexpected(next.error().within(name));
+    if (!*next) break;
+    const auto message = protocol::decodeMessage(**next, protocol::Sender::kServer);
+    if (!message || protocol::channelOf(message->body) != 0) return damaged();
+    const auto* hull = message->as<protocol::Hull>();
+    const auto* splits = message->as<protocol::HullSplits>();
+    const bool inPlace = messages.empty() ? hull != nullptr && hull->side == side
+                                          : splits != nullptr && splits->side == side &&
+                                                splits->piece + 1 == messages.size();
+    if (!inPlace) return damaged();
+    messages.push_back(**next);
+  }
+  return messages;
+}
+
 template <class T>
 Result<Bytes> oneMessageOf(const Asset& asset, const char* name) {
   const auto messages = messagesOf<T>(asset, name);
@@ -74,6 +102,13 @@ Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> as
     if (!decoded) return corrupt(decoded.error().message);
     model->seedsMessage_ = std::move(*decoded);
     model->seeds_ = model->seedsMessage_.as<protocol::Seeds>()->seeds;
+  }
+  for (const auto& [name, side] :
+       {std::pair(sections::kHullOuter, protocol::HullSide::kOuter),
+        std::pair(sections::kHullInner, protocol::HullSide::kInner)}) {
+    auto hull = hullMessagesOf(source, name, side);
+    if (!hull) return corrupt(hull.error().message);
+    model->hulls_[static_cast<std::size_t>(side)] = std::move(*hull);
   }
   const auto bytes = source.section(sections::kForest);
   if (!bytes) return tl::unexpected(bytes.error().within(where));

@@ -11,6 +11,7 @@
 #include "shared/codec/split_codec.h"
 #include "shared/progressive/split_forest.h"
 
+#include <array>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -45,6 +46,11 @@ class Model {
 
   [[nodiscard]] const std::vector<protocol::Bytes>& blocks() const { return blocks_; }
 
+  /// One Hull, then HullSplits in order. Empty: none.
+  [[nodiscard]] const std::vector<protocol::Bytes>& hull(protocol::HullSide side) const {
+    return hulls_[static_cast<std::size_t>(side)];
+  }
+
   /// The content of the Seeds messages. Empty: none.
   [[nodiscard]] protocol::Bytes seeds() const { return seeds_; }
 
@@ -66,6 +72,7 @@ class Model {
   protocol::Message infoMessage_;
   protocol::Bytes base_;
   std::vector<protocol::Bytes> blocks_;
+  std::array<std::vector<protocol::Bytes>, 2> hulls_;
   protocol::Message seedsMessage_;
   protocol::Bytes seeds_;  // of seedsMessage_
   mutable std::mutex mutex_;

@@ -29,6 +29,7 @@ Result<CatalogueItem> describe(const Asset& asset) {
   item.faces = info->faces;
   item.center = info->center;
   item.radius = info->radius;
+  item.hasHull = info->hull && info->hull->reason.empty();
   for (const char* name :
        {sections::kInfo,
         sections::kBase,

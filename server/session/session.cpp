@@ -180,6 +180,18 @@ void Session::handle(const protocol::Drop& drop) {
   }
 }
 
+void Session::handle(const protocol::GetHull& request) {
+  Channel* channel = find(request.channel);
+  if (channel == nullptr) return;  // as for a pose
+  if (const auto taken = channel->getHull(request); !taken) {
+    refuse(
+        taken.error().code == ErrorCode::kNotFound ? protocol::WireError::kNotFound
+                                                   : protocol::WireError::kState,
+        request.channel,
+        taken.error().message);
+  }
+}
+
 void Session::update(std::int64_t nowMs) {
   nowMs_ = nowMs;
   if (close_) return;

@@ -71,6 +71,7 @@ class Session {
   void handle(const protocol::Pose& pose);
   void handle(const protocol::Acknowledge& acknowledge);
   void handle(const protocol::Drop& drop);
+  void handle(const protocol::GetHull& request);
 
   template <class Other>
   void handle(const Other&) {}  // decodeMessage() lets no server messages through

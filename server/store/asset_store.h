@@ -18,12 +18,14 @@ namespace limn {
 /// Section names of an asset. The wire sections are protocol messages as they are sent (each with
 /// channel 0), framed as u32 little-endian length + FlatBuffer, one after another.
 namespace sections {
-inline constexpr char kInfo[] = "info";        // one ModelInfo
-inline constexpr char kBase[] = "base";        // one Base
-inline constexpr char kBlocks[] = "blocks";    // LevelBlocks, coarse to fine
-inline constexpr char kPackets[] = "packets";  // Packets: every remaining split in level order
-inline constexpr char kSeeds[] = "seeds";      // one Seeds
-inline constexpr char kForest[] = "forest";    // serializeForest(): server only
+inline constexpr char kInfo[] = "info";             // one ModelInfo
+inline constexpr char kBase[] = "base";             // one Base
+inline constexpr char kBlocks[] = "blocks";         // LevelBlocks, coarse to fine
+inline constexpr char kPackets[] = "packets";       // Packets: every remaining split in level order
+inline constexpr char kSeeds[] = "seeds";           // one Seeds
+inline constexpr char kHullOuter[] = "hull-outer";  // one Hull, then HullSplits in order
+inline constexpr char kHullInner[] = "hull-inner";  // the same
+inline constexpr char kForest[] = "forest";         // serializeForest(): server only
 }  // namespace sections
 
 /// A committed asset, read-only. Sections were verified against their checksums when it was opened.

@@ -100,6 +100,13 @@ std::vector<Sample> samples() {
   add("error.bin", Sender::kServer, Failure{WireError::kNotReady, 3, "still preparing", 1500});
   add("dropped.bin", Sender::kServer, Dropped{3, payload});
   add("dropped_all.bin", Sender::kServer, Dropped{3, {}});
+  info.hull = HullInfo{2, 200, 32'768, 198, 32'766, {}};
+  add("model_info_hull.bin", Sender::kServer, info);
+  info.hull = HullInfo{.reason = "the mesh is open"};
+  add("model_info_no_hull.bin", Sender::kServer, info);
+  add("get_hull.bin", Sender::kClient, GetHull{3, HullSide::kInner, 500, 2});
+  add("hull.bin", Sender::kServer, Hull{3, HullSide::kOuter, payload});
+  add("hull_splits.bin", Sender::kServer, HullSplits{3, HullSide::kInner, 7, payload});
   add("full.bin", Sender::kServer, Full{3, 77, 12'345});
   return all;
 }

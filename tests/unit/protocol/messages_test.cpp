@@ -224,8 +224,8 @@ TEST(Messages, OnlyMeshDataCountsAsPayload) {
   for (const Sample& sample : samples()) {
     const auto message = decodeMessage(sample.bytes, sample.sender);
     const std::string_view name = nameOf(message->body);
-    const bool expected =
-        name == "Base" || name == "LevelBlock" || name == "Packet" || name == "Seeds";
+    const bool expected = name == "Base" || name == "LevelBlock" || name == "Packet" ||
+                          name == "Seeds" || name == "Hull" || name == "HullSplits";
     EXPECT_EQ(isPayload(message->body), expected) << name;
   }
 }

@@ -3,6 +3,7 @@
 
 #include "server/preprocess/asset_sections.h"
 #include "server/preprocess/build_forest.h"
+#include "server/preprocess/hull_sections.h"
 #include "server/session/catalogue.h"
 #include "server/session/model.h"
 #include "server/session/task_runner.h"
@@ -65,21 +66,29 @@ inline BuiltForest builtForestOf(const TriangleMesh& mesh, std::uint32_t baseFac
 }
 
 /// A mesh prepared as limn-prepare does, without a disk. `mark` makes the asset's id.
-inline std::shared_ptr<const Asset>
-memoryAssetOf(const TriangleMesh& mesh, std::uint8_t mark, std::uint32_t baseFaces = 60) {
+inline std::shared_ptr<const Asset> memoryAssetOf(
+    const TriangleMesh& mesh,
+    std::uint8_t mark,
+    std::uint32_t baseFaces = 60,
+    const HullSections* hulls = nullptr) {
   const BuiltForest built = builtForestOf(mesh, baseFaces);
   Sha256Digest id{};
   id.fill(mark);
-  const WireSections wire = encodeWireSections(built, {}, {id, true});
-  return std::make_shared<MemoryAsset>(
-      id,
-      std::map<std::string, std::vector<std::uint8_t>, std::less<>>{
-          {sections::kInfo, wire.info},
-          {sections::kBase, wire.base},
-          {sections::kBlocks, wire.blocks},
-          {sections::kPackets, wire.packets},
-          {sections::kSeeds, wire.seeds},
-          {sections::kForest, serializeForest(built.forest)}});
+  AssetIdentity identity{id, true};
+  if (hulls != nullptr) identity.hull = hulls->info;
+  const WireSections wire = encodeWireSections(built, {}, identity);
+  std::map<std::string, std::vector<std::uint8_t>, std::less<>> parts{
+      {sections::kInfo, wire.info},
+      {sections::kBase, wire.base},
+      {sections::kBlocks, wire.blocks},
+      {sections::kPackets, wire.packets},
+      {sections::kSeeds, wire.seeds},
+      {sections::kForest, serializeForest(built.forest)}};
+  if (hulls != nullptr) {
+    parts[sections::kHullOuter] = hulls->outer;
+    parts[sections::kHullInner] = hulls->inner;
+  }
+  return std::make_shared<MemoryAsset>(id, std::move(parts));
 }
 
 inline std::shared_ptr<const Model>

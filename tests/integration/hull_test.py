@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Hulls arrive as they were prepared, and hold the mesh."""
+
+import json
+import unittest
+
+from harness import Case, Server, hills, read_ply, run, torus
+
+
+def volume(mesh):
+    six = 0.0
+    for a, b, c in mesh.faces:
+        p, q, r = mesh.positions[a], mesh.positions[b], mesh.positions[c]
+        six += (p[0] * (q[1] * r[2] - q[2] * r[1]) + p[1] * (q[2] * r[0] - q[0] * r[2])
+                + p[2] * (q[0] * r[1] - q[1] * r[0]))
+    return six / 6
+
+
+class Hulls(Case):
+
+    def hulls(self, source, faces, *arguments):
+        dumps = self.folder / "outer.ply", self.folder / "inner.ply"
+        report = self.folder / "hull.json"
+        run("limn-client", "render", *source, "--hull-faces", faces, "--dump-hull", dumps[0], "--dump-inner-hull", dumps[1],
+            "--report", report, "--size", "64x64", *arguments)
+        return read_ply(dumps[0]), read_ply(dumps[1]), json.loads(report.read_text())
+
+    def test_hulls_from_a_server_are_those_of_the_asset_and_of_the_report(self):
+        prepared, mesh = self.prepare_shape("torus", torus(48, 24))
+        whole = 64 * volume(mesh)  # dumps are read in grid steps, and a hull's are four times finer
+        asset = self.store / "assets" / prepared["asset"]
+        with Server(self.store) as server:
+            entry = json.loads(server.get("/models")[1])[0]
+            self.assertTrue(entry["has_hull"])
+            last = whole
+            for faces in (2000, 500, 200):
+                outer, inner, report = self.hulls(("--server", server.url, "--model", "torus"), faces)
+                self.assertEqual((len(outer.faces), len(inner.faces)), (faces, faces))
+                self.assertGreater(volume(outer), last)
+                self.assertLess(volume(inner), whole)
+                last = volume(outer)
+                self.assertGreater(report["bytes"]["hull"], 0)
+                stored = self.hulls(("--asset", asset), faces)
+                self.assertEqual((outer.positions, outer.faces), (stored[0].positions, stored[0].faces))
+                self.assertEqual((inner.positions, inner.faces), (stored[1].positions, stored[1].faces))
+                if faces == 500:
+                    said = prepared["hull"]["outer"]
+                    self.assertEqual(said["faces"], 500)
+                    self.assertAlmostEqual(said["volume"] / prepared["hull"]["mesh_volume"], last / whole, places=6)
+
+    def test_an_open_mesh_says_why_it_has_no_hull(self):
+        prepared, _ = self.prepare_shape("hills", hills(20, 20))
+        self.assertIn("no hull, because the mesh is open", prepared["hull"]["reason"])
+        with Server(self.store) as server:
+            self.assertFalse(json.loads(server.get("/models")[1])[0]["has_hull"])
+            with self.assertRaisesRegex(AssertionError, "exit status 1(.|\n)*has no hull, because the mesh is open"):
+                run("limn-client", "render", "--server", server.url, "--model", "hills", "--dump-hull",
+                    self.folder / "hull.ply")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/preprocess/hull_sections.h"
+#include "tests/unit/server/session/session_link.h"
+
+#include "protocol/messages.h"
+
+#include <gtest/gtest.h>
+
+namespace limn {
+namespace {
+
+using protocol::GetHull;
+using protocol::WireError;
+
+constexpr protocol::HullSide kOuterSide = protocol::HullSide::kOuter;
+constexpr protocol::HullSide kInnerSide = protocol::HullSide::kInner;
+
+const Hulls& hulls() {
+  static const Hulls built = buildHulls(primitives::torus(40, 20), {.baseFaces = 60}, 1);
+  return built;
+}
+
+/// A torus with its hulls.
+std::shared_ptr<const Model> hulledModel() {
+  const auto sections = encodeHullSections(hulls());
+  EXPECT_TRUE(sections->reason.empty()) << sections->reason;
+  auto model = Model::load(memoryAssetOf(primitives::torus(40, 20), 7, 60, sections.get()));
+  EXPECT_TRUE(model) << model.error().message;
+  return *model;
+}
+
+class HullLink : public ::testing::Test {
+ protected:
+  HullLink() {
+    link_.models_.add("hulled", hulledModel());
+    link_.hello();
+    link_.open("hulled");
+    link_.settle();
+  }
+
+  [[nodiscard]] std::size_t splitsOf(protocol::HullSide side) {
+    const auto hull = link_.decoder().hulls().hull(side);
+    return hull ? hull->splits.size() : 0;
+  }
+
+  Link link_;
+};
+
+TEST_F(HullLink, SendsNoHullThatNobodyAskedFor) {
+  EXPECT_EQ(link_.decoder().hulls().held(kOuterSide), 0U);
+  ASSERT_TRUE(link_.decoder().model().hull.has_value());
+  EXPECT_EQ(link_.decoder().model().hull->outer.baseFaces, hulls().outer->hull.facesAfter(0));
+}
+
+TEST_F(HullLink, SendsWhatWasAskedForAndGoesOnFromThere) {
+  link_.send(GetHull{0, kOuterSide, 10, 0});
+  link_.settle();
+  EXPECT_EQ(link_.decoder().hulls().held(kOuterSide), 1U);
+  EXPECT_EQ(splitsOf(kOuterSide), 0U);
+  link_.send(GetHull{0, kOuterSide, 300, 1});
+  link_.send(GetHull{0, kInnerSide, 100'000, 0});
+  link_.settle();
+  EXPECT_TRUE(link_.decoder().hulls().isThere(kOuterSide, 300, link_.decoder().model()));
+  EXPECT_LT(splitsOf(kOuterSide), hulls().outer->hull.splits.size());
+  EXPECT_EQ(splitsOf(kInnerSide), hulls().inner->hull.splits.size());
+  EXPECT_TRUE(link_.failures_.empty());
+}
+
+TEST_F(HullLink, CountsAgainstTheWindow) {
+  const std::uint64_t before = link_.payload_;
+  link_.send(GetHull{0, kOuterSide, 300, 0});
+  link_.settle();
+  EXPECT_GT(link_.payload_, before);
+}
+
+TEST_F(HullLink, RefusesToGoOnFromWhereNothingIs) {
+  link_.send(GetHull{0, kOuterSide, 300, 4000});
+  link_.settle();
+  ASSERT_EQ(link_.failures_.size(), 1U);
+  EXPECT_EQ(link_.failures_[0], WireError::kState);
+}
+
+TEST(HullStream, AModelWithoutHullsSaysSo) {
+  Link link;
+  link.hello();
+  link.open("bumpy");
+  link.settle();
+  link.send(GetHull{0, kOuterSide, 300, 0});
+  link.settle();
+  ASSERT_EQ(link.failures_.size(), 1U);
+  EXPECT_EQ(link.failures_[0], WireError::kNotFound);
+}
+
+TEST(HullStream, PiecesOutOfOrderAreRefusedByTheClient) {
+  const auto model = hulledModel();
+  StreamDecoder decoder;
+  ASSERT_TRUE(decoder.beginModel(model->info()));
+  const auto take = [&](std::size_t i) {
+    const auto message =
+        protocol::decodeMessage(model->hull(kOuterSide)[i], protocol::Sender::kServer);
+    if (const auto* hull = message->as<protocol::Hull>()) return decoder.take(*hull);
+    return decoder.take(*message->as<protocol::HullSplits>());
+  };
+  EXPECT_FALSE(take(1));  // before the base
+  EXPECT_TRUE(take(0));
+  EXPECT_FALSE(take(0));  // twice
+  EXPECT_FALSE(take(2));
+  EXPECT_TRUE(take(1));
+  EXPECT_TRUE(take(2));
+}
+
+TEST(HullStream, DamagedSectionsAreNoticedWhenTheModelIsLoaded) {
+  auto sections = *encodeHullSections(hulls());
+  std::swap(sections.outer, sections.inner);
+  EXPECT_FALSE(Model::load(memoryAssetOf(primitives::torus(40, 20), 7, 60, &sections)));
+}
+
+}  // namespace
+}  // namespace limn
