@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Builds a release and measures it; prints one table: row, mesh, ours, reference, ratio, target, met or not.
-#   tests/bench/run.sh [stream] [simplify] [silhouette] [visibility] [server] [--models DIR] [--quick] [--json F]
+#   tests/bench/run.sh [stream] [simplify] [hull] [silhouette] [visibility] [server] [--models DIR] [--quick] [--json F]
 # Without a group: all of them. Without --models: ../shared/models when there, else generated meshes. Any good mesh can be
 # put in DIR. --quick takes the three smallest real meshes (or the generated ones) and shortens the load run.
 set -eu
@@ -14,7 +14,7 @@ cmake --preset release -DLIMN_BUILD_TESTS=ON -DLIMN_BUILD_BENCH=ON >build/releas
   cat build/release/configure.log >&2
   exit 1
 }
-cmake --build --preset release --target limn-codec-bench limn-prepare limn-server limn-client limn-load limn-visibility-bench limn-device-visibility-bench limn-selection-bench limn-delivery-bench limn-simplify-bench limn-silhouette-bench >build/release/bench-build.log 2>&1 || {
+cmake --build --preset release --target limn-codec-bench limn-hull-bench limn-prepare limn-server limn-client limn-load limn-visibility-bench limn-device-visibility-bench limn-selection-bench limn-delivery-bench limn-simplify-bench limn-silhouette-bench >build/release/bench-build.log 2>&1 || {
   tail -n 40 build/release/bench-build.log >&2
   echo "run.sh: the build failed (above)" >&2
   exit 1
