@@ -186,7 +186,7 @@ TEST(RenderOptions, WhatComesLaterIsSaidSo) {
        {"view --asset a",
         "render --asset a --out x.png --draw clip",
         "render --asset a --out x.png --draw image-precision:charcoal",
-        "render --asset a --out x.png --hull-faces 500"}) {
+        "render --asset a --out x.png --contours server"}) {
     const auto parsed = parse(line);
     ASSERT_FALSE(parsed) << line;
     EXPECT_EQ(parsed.error().code, ErrorCode::kUnsupported) << line;
