@@ -126,6 +126,8 @@ LineFinder::Lines LineFinder::find(const Camera& camera) {
   for (const PolylineSet::Line& line : silhouettes.lines)
     result.loops += line.closed ? 1 : 0;
   result.lines = silhouettes;
+  for (PolylineSet::Line& line : result.lines.lines)
+    line.onSurface = light_.has_value();
   appendFeatures(silhouettes, result.lines);
   return result;
 }

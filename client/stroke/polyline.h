@@ -20,6 +20,8 @@ struct PolylineSet {
     bool closed = false;      // the first point is not repeated
     std::uint32_t begin = 0;  // points[begin … end)
     std::uint32_t end = 0;
+    /// A light's silhouette: it runs over the surface, not where that turns away from the eye.
+    bool onSurface = false;
 
     /// Segments: end − begin for a closed line, one fewer for an open one.
     [[nodiscard]] std::uint32_t segmentCount() const { return end - begin - (closed ? 0 : 1); }

@@ -55,7 +55,7 @@ class ViewResolver {
         out.begin.push_back(static_cast<std::uint32_t>(out.pieces.size()));
         if (point - line.begin >= line.segmentCount()) continue;
         const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
-        resolveSegment(line.kind, point, next, out);
+        resolveSegment(line, point, next, out);
       }
     }
     out.begin.push_back(static_cast<std::uint32_t>(out.pieces.size()));
@@ -101,11 +101,18 @@ class ViewResolver {
     crossings_.build();
   }
 
-  void resolveSegment(LineKind kind, std::uint32_t point, std::uint32_t next, ResolvedLines& out) {
+  void resolveSegment(
+      const PolylineSet::Line& line,
+      std::uint32_t point,
+      std::uint32_t next,
+      ResolvedLines& out) {
     const glm::dvec3 a(lines_.points[point]);
     const glm::dvec3 b(lines_.points[next]);
     const bool isSmooth = lines_.halfEdges[point] == kNone;
-    if (isSmooth ? isHiddenSmooth(point, a, b) : isHiddenEdge(kind, lines_.halfEdges[point])) {
+    const bool isHidden = !isSmooth        ? isHiddenEdge(line, lines_.halfEdges[point])
+                          : line.onSurface ? isClosed_ && isFront_[lines_.faces[point]] == 0
+                                           : isHiddenSmooth(point, a, b);
+    if (isHidden) {
       out.pieces.push_back({1.0F, false});
       return;
     }
@@ -123,8 +130,9 @@ class ViewResolver {
     double from = 0.0;
     for (const double to : cuts_) {
       const glm::dvec3 middle = glm::mix(a, b, 0.5 * (from + to));
+      const bool isAside = isSmooth && !line.onSurface;
       const bool visible =
-          !isBlocked(isSmooth ? outside(lines_.faces[point], b - a, middle) : middle, out);
+          !isBlocked(isAside ? outside(lines_.faces[point], b - a, middle) : middle, out);
       const bool isFirst = out.pieces.size() == out.begin.back();
       if (!isFirst && out.pieces.back().visible == visible) {
         out.pieces.back().end = static_cast<float>(to);
@@ -148,12 +156,13 @@ class ViewResolver {
   }
 
   // Hidden by its own two faces, whatever else there is.
-  [[nodiscard]] bool isHiddenEdge(LineKind kind, HalfEdgeId h) const {
+  [[nodiscard]] bool isHiddenEdge(const PolylineSet::Line& line, HalfEdgeId h) const {
     const HalfEdgeId twin = mesh_.twin(h);
     if (twin == kNone) return false;
     const bool here = isFront_[HalfEdgeMesh::face(h)] != 0;
     const bool there = isFront_[HalfEdgeMesh::face(twin)] != 0;
-    if (here != there || kind == LineKind::kSilhouette) return isConcave(mesh_, positions_, h);
+    if (here != there || (line.kind == LineKind::kSilhouette && !line.onSurface))
+      return isConcave(mesh_, positions_, h);
     // A closed surface that turns away on both sides lies behind its own front.
     return isClosed_ && !here;
   }

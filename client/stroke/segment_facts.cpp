@@ -137,14 +137,21 @@ bool SegmentJudge::isCoveredNearby(HalfEdgeId h) const {
   return false;
 }
 
-SegmentFacts SegmentJudge::judge(LineKind kind, std::uint32_t point, std::uint32_t next) const {
+SegmentFacts
+SegmentJudge::judge(const PolylineSet::Line& line, std::uint32_t point, std::uint32_t next) const {
+  const bool isSilhouette = line.kind == LineKind::kSilhouette && !line.onSurface;
   SegmentFacts facts;
   const HalfEdgeId h = lines_.halfEdges[point];
   const FaceId face = h != kNone ? HalfEdgeMesh::face(h) : lines_.faces[point];
   facts.bias = static_cast<float>(floor_);
   if (face == kNone || face >= scene_.mesh.faceCount()) return facts;
-  if (kind == LineKind::kSilhouette && h == kNone) return judgeSmooth(face, point, next);
-  const HalfEdgeId twin = h == kNone ? kNone : scene_.mesh.twin(h);
+  if (isSilhouette && h == kNone) return judgeSmooth(face, point, next);
+  if (h == kNone) {
+    facts.hiddenByRule = !isFront(face);
+    facts.bias = slopeBias(face, kReachPx);
+    return facts;
+  }
+  const HalfEdgeId twin = scene_.mesh.twin(h);
   if (twin == kNone) {
     // A border: seen from either side of its face.
     facts.bias = slopeBias(face, kReachPx);
@@ -153,7 +160,7 @@ SegmentFacts SegmentJudge::judge(LineKind kind, std::uint32_t point, std::uint32
   const FaceId other = HalfEdgeMesh::face(twin);
   const bool isFrontHere = isFront(face);
   const bool isFrontThere = isFront(other);
-  if (isFrontHere != isFrontThere || kind == LineKind::kSilhouette) {
+  if (isFrontHere != isFrontThere || isSilhouette) {
     // A contour on a crease may differ from the faces' own by what their normals were rounded.
     facts.hiddenByRule = isFrontHere != isFrontThere && isConcave(scene_.mesh, scene_.positions, h);
     // A half-edge has its own face to its left; the surface ends on the other side of the front.

@@ -24,9 +24,10 @@ class SegmentJudge {
  public:
   SegmentJudge(const PolylineSet& lines, const LineScene& scene);
 
-  /// point: the segment that starts at lines.points[point]; kind: of its line; next: its end point.
+  /// point: the segment of `line` that starts at lines.points[point]; next: its end point.
   /// Cost: O(1).
-  [[nodiscard]] SegmentFacts judge(LineKind kind, std::uint32_t point, std::uint32_t next) const;
+  [[nodiscard]] SegmentFacts
+  judge(const PolylineSet::Line& line, std::uint32_t point, std::uint32_t next) const;
 
  private:
   [[nodiscard]] glm::dvec3 corner(HalfEdgeId h) const {

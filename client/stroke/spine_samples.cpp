@@ -77,7 +77,7 @@ void sampleSpines(
         judged = source;
         const std::uint32_t next =
             source + 1 < line.end ? source + 1 : (line.closed ? line.begin : source);
-        facts = judge.judge(line.kind, source, next);
+        facts = judge.judge(line, source, next);
         const glm::vec2 along = spines.exact[to] - spines.exact[from];
         const float size = glm::length(along);
         outward =
@@ -115,7 +115,7 @@ SpineSamples sampleSegments(const PolylineSet& lines, const LineScene& scene) {
       const glm::dvec3 to = pixelFromClip(a + span.end * (b - a), scene.viewport);
       const glm::dvec2 along(to - from);
       const double length = glm::length(along);
-      const SegmentFacts facts = judge.judge(line.kind, point, next);
+      const SegmentFacts facts = judge.judge(line, point, next);
       SpineSample sample;
       sample.bias = facts.hiddenByRule ? -1.0F : facts.bias;
       if (length > 1e-6)

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/visibility.h"
 
+#include "client/stroke/chain.h"
+#include "client/stroke/segment_facts.h"
+
 #include "shared/mesh/primitives.h"
+#include "shared/silhouette/detector.h"
 
 #include <gtest/gtest.h>
 
@@ -93,6 +97,42 @@ TEST(Visibility, WhatIsHiddenByRuleStaysHidden) {
     sample.bias = -1.0F;
   for (const float v : sampleVisibility(samples, wall(20, 0, 0)))
     EXPECT_EQ(v, 0.0F);
+}
+
+TEST(Visibility, ALightsSilhouetteIsHiddenOnlyWhereTheSurfaceTurnsAway) {
+  const TriangleMesh shape = primitives::torus(60, 30);
+  const auto mesh =
+      HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
+  ASSERT_TRUE(mesh);
+  const Camera camera = orbitCamera(boundingSphere(shape.grid, shape.positions), 20, 40);
+  const LineScene scene{*mesh, shape.positions, shape.grid, camera, {400, 400}};
+  const SilhouetteField field(*mesh, shape.positions, SilhouetteKind::kSmooth);
+  const SilhouetteView light{
+      shape.grid.fromModel(camera.eye + glm::dvec3(40.0, 5.0, 1.0)),
+      {},
+      false};
+  SilhouetteChainer chainer;
+  PolylineSet lines =
+      chainer.chain(field, light, makeDetector(DetectorMethod::kBrute, field)->detect(light));
+  for (PolylineSet::Line& line : lines.lines)
+    line.onSurface = true;
+  const SegmentJudge judge(lines, scene);
+  const glm::dvec3 eye = shape.grid.fromModel(camera.eye);
+  int shown = 0;
+  for (const PolylineSet::Line& line : lines.lines) {
+    for (std::uint32_t k = 0; k < line.segmentCount(); ++k) {
+      const std::uint32_t point = line.begin + k;
+      const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
+      const glm::uvec3& t = shape.triangles[lines.faces[point]];
+      const glm::dvec3 a(shape.positions[t.x]);
+      const glm::dvec3 n =
+          glm::cross(glm::dvec3(shape.positions[t.y]) - a, glm::dvec3(shape.positions[t.z]) - a);
+      const bool isFront = glm::dot(n, eye - a) > 0.0;
+      EXPECT_EQ(judge.judge(line, point, next).hiddenByRule, !isFront);
+      shown += isFront ? 1 : 0;
+    }
+  }
+  EXPECT_GT(shown, 10);
 }
 
 TEST(Visibility, AClosedSpinesFilterWraps) {
