@@ -161,7 +161,7 @@ void ContourSearch::collectVotes() {
   const auto weightOf = [&](const ContourPoint& p, float off) {
     return std::max(p.lengthPx, 1e-3F) * static_cast<float>(view_.errorPx) / off;
   };
-  if (off_.full > options_.share) {
+  if (off_.full > share()) {
     const HalfEdgeMesh& mesh = full_.mesh();
     for (std::size_t i = 0; i < truth_.size(); ++i) {
       if (truthOff_[i] <= view_.errorPx) continue;
@@ -176,7 +176,7 @@ void ContourSearch::collectVotes() {
       }
     }
   }
-  if (off_.client > options_.share) {
+  if (off_.client > share()) {
     const HalfEdgeMesh& mesh = client_.mesh();
     const auto refine = [&](std::uint32_t slot, float weight) {
       vote(nextChildOf(client_.ids()[slot]), weight);

@@ -38,8 +38,10 @@ struct ContourOff {
 
 struct ContourSearchOptions {
   /// Share of either contour's length that may be off by more than the bound: the 95th percentile
-  /// with some margin.
-  double share = 0.045;
+  /// with some margin. More margin for smooth silhouettes, since clients divide normals at creases
+  /// (client/stroke/crease_contours) and the search does not.
+  double edgesShare = 0.047;
+  double smoothShare = 0.035;
   /// A round adds at most this many splits for each that is held, times the share that is off.
   double greed = 0.15;
   double leastGreed = 0.004;
@@ -88,7 +90,11 @@ class ContourSearch {
   [[nodiscard]] VertexId nextChildOf(VertexId parent) const;
   [[nodiscard]] VertexId nextTowards(VertexId v) const;
 
-  [[nodiscard]] bool satisfied() const { return off_.worst() <= options_.share; }
+  [[nodiscard]] double share() const {
+    return view_.kind == SilhouetteKind::kEdges ? options_.edgesShare : options_.smoothShare;
+  }
+
+  [[nodiscard]] bool satisfied() const { return off_.worst() <= share(); }
 
   const FullMesh& full_;
   const SplitForest& forest_;

@@ -2,8 +2,8 @@
 // Based on: P. Mohr, "Silhouette Rendering of Complex Shapes with Stylized Lines" (thesis), 2013,
 // §3.4 (the depth image is asked at a line's pixel and its eight neighbours).
 // The rules are those of client/stroke/visibility: only neighbours on the silhouette's outward side
-// are asked, three must be free, concave silhouettes are hidden by their own surface, the bias
-// follows the slope of the surface, and most of a segment decides for all of it.
+// are asked, two must be free, silhouettes that are concave or covered by faces around them are
+// hidden, the bias follows the slope of the surface, and most of a segment decides for all of it.
 #include "shared/silhouette/visible_contour.h"
 
 #include "shared/silhouette/trace.h"
@@ -15,7 +15,7 @@
 namespace limn {
 namespace {
 
-constexpr int kFreeNeighbours = 3;
+constexpr int kFreeNeighbours = 2;
 constexpr double kReachPx = 0.75;
 constexpr double kFloorSteps = 2.0;  // grid units
 
@@ -48,9 +48,8 @@ class Judge {
     segment.from = glm::dvec3(projected_[a]);
     segment.to = glm::dvec3(projected_[b]);
     if (!inPicture(segment)) return false;
-    const glm::dvec3 away =
-        unitNormal(HalfEdgeMesh::face(h)) + unitNormal(HalfEdgeMesh::face(mesh_.twin(h)));
-    segment.outward = outward(segment, 0.5 * (position(a) + position(b)), away);
+    if (isCoveredNearby(h)) return false;
+    segment.outward = rightOf(segment);
     segment.bias = floorAt(segment) + slope(HalfEdgeMesh::face(h));
     return true;
   }
@@ -66,7 +65,7 @@ class Judge {
     segment.from = picture_.project(a);
     segment.to = picture_.project(b);
     if (!inPicture(segment)) return false;
-    segment.outward = outward(segment, middle, n);
+    segment.outward = rightOf(segment);
     float low = projected_[mesh_.origins[3 * face]].z;
     float high = low;
     for (HalfEdgeId h = 3 * face + 1; h < 3 * face + 3; ++h) {
@@ -97,12 +96,6 @@ class Judge {
     return glm::cross(
         position(mesh_.origins[3 * face + 1]) - a,
         position(mesh_.origins[3 * face + 2]) - a);
-  }
-
-  [[nodiscard]] glm::dvec3 unitNormal(FaceId face) const {
-    const glm::dvec3 n = normal(face);
-    const double length = glm::length(n);
-    return length > 0.0 ? n / length : n;
   }
 
   /// Exact: grid coordinates keep the triple product within 64 bits.
@@ -144,20 +137,42 @@ class Judge {
     return std::min(range, kReachPx * (std::abs(perX) + std::abs(perY)));
   }
 
-  /// The side of the segment in the picture that a direction in space points to.
-  [[nodiscard]] glm::vec2
-  outward(const Segment& segment, const glm::dvec3& middle, const glm::dvec3& away) const {
-    const double length = glm::length(away);
-    if (!(length > 0.0)) return {};
-    const double reach = 1e-4 * (picture_.orthographic ? 1.0 : glm::distance(middle, picture_.eye));
-    const glm::dvec2 aside =
-        glm::dvec2(picture_.project(middle + away * (reach / length)) - picture_.project(middle));
+  /// Segments run with the front to their left, so the surface ends on their right.
+  [[nodiscard]] static glm::vec2 rightOf(const Segment& segment) {
     const glm::dvec2 along(segment.to - segment.from);
-    glm::dvec2 across(-along.y, along.x);
-    const double size = glm::length(across);
-    if (!(size > 1e-9)) return {};
-    if (glm::dot(across, aside) < 0.0) across = -across;
-    return glm::vec2(across / size);
+    const double length = glm::length(along);
+    return length > 1e-6 ? glm::vec2(glm::dvec2(-along.y, along.x) / length) : glm::vec2(0.0F);
+  }
+
+  /// Whether a face around either end of an edge, but for its own two, is before its middle
+  /// [Möller, Trumbore 1997].
+  [[nodiscard]] bool isCoveredNearby(HalfEdgeId h) const {
+    const HalfEdgeId twin = mesh_.twin(h);
+    const glm::dvec3 p = 0.5 * (position(mesh_.origin(h)) + position(mesh_.target(h)));
+    const glm::dvec3 d = picture_.orthographic ? -picture_.forward : picture_.eye - p;
+    const auto covers = [&](FaceId f) {
+      const glm::dvec3 a = position(mesh_.origins[3 * f]);
+      const glm::dvec3 ab = position(mesh_.origins[3 * f + 1]) - a;
+      const glm::dvec3 ac = position(mesh_.origins[3 * f + 2]) - a;
+      const glm::dvec3 q = glm::cross(d, ac);
+      const double det = glm::dot(ab, q);
+      if (det == 0.0) return false;
+      const double sign = det > 0.0 ? 1.0 : -1.0;
+      const glm::dvec3 ap = p - a;
+      const double u = sign * glm::dot(ap, q);
+      if (u < 0.0 || u > std::abs(det)) return false;
+      const glm::dvec3 r = glm::cross(ap, ab);
+      const double v = sign * glm::dot(d, r);
+      return v >= 0.0 && u + v <= std::abs(det) && sign * glm::dot(ac, r) > 0.0;
+    };
+    for (const HalfEdgeId start : {h, twin}) {
+      for (HalfEdgeId at = mesh_.rotateCcw(start); at != kNone && at != start;
+           at = mesh_.rotateCcw(at)) {
+        const FaceId f = HalfEdgeMesh::face(at);
+        if (f != HalfEdgeMesh::face(h) && f != HalfEdgeMesh::face(twin) && covers(f)) return true;
+      }
+    }
+    return false;
   }
 
   [[nodiscard]] bool test(const Segment& segment, double t) const {
