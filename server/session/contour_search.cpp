@@ -16,8 +16,14 @@
 namespace limn {
 namespace {
 
-constexpr int kMaxPicturePx = 1024;   // of the longer side
-constexpr double kSpacingPx = 1.0;    // of compared points, in error bounds
+constexpr int kMaxPicturePx = 1024;  // of the longer side
+constexpr double kSpacingPx = 1.0;   // of compared points, in error bounds
+// See noteDetail().
+constexpr double kDetailOffFrom = 0.12;
+constexpr double kDetailOffTo = 0.2;
+constexpr double kDetailRatio = 3.0;
+// From this round on every round adds more, so that there is an end.
+constexpr int kHurryFrom = 50;
 constexpr double kLimitBounds = 4.0;  // distances count up to this many error bounds
 
 bool holds(std::span<const std::uint64_t> words, VertexId v) {
@@ -149,6 +155,32 @@ VertexId ContourSearch::nextTowards(VertexId v) const {
   return below;
 }
 
+/// What is left is contours of a few faces that show in the full mesh alone (the noise of a scan):
+/// half a way down to them brings nothing.
+void ContourSearch::noteDetail() {
+  const bool now = off_.client <= share() && off_.full >= kDetailRatio * off_.client &&
+                   off_.full >= kDetailOffFrom && off_.full <= kDetailOffTo;
+  onlyDetailIsLeft_ = onlyDetailIsLeft_ || now;
+}
+
+/// The finest corner that is missing of the full mesh's faces at a segment of its silhouette: with
+/// it they are there. kNone: they are.
+VertexId ContourSearch::finestMissingAt(std::uint32_t segment) const {
+  const HalfEdgeMesh& mesh = full_.mesh();
+  const FaceId face =
+      view_.kind == SilhouetteKind::kEdges ? HalfEdgeMesh::face(segment) : FaceId{segment};
+  VertexId finest = kNone;
+  const auto look = [&](FaceId f) {
+    for (HalfEdgeId h = 3 * f; h < 3 * f + 3; ++h) {
+      const VertexId v = mesh.origins[h];
+      if (!holds(held_, v) && (finest == kNone || v > finest)) finest = v;
+    }
+  };
+  look(face);
+  if (view_.kind == SilhouetteKind::kEdges) look(HalfEdgeMesh::face(mesh.twin(segment)));
+  return finest;
+}
+
 void ContourSearch::vote(VertexId v, float weight) {
   if (v == kNone) return;
   if (votes_[v] == 0.0F) voted_.push_back(v);
@@ -167,7 +199,9 @@ void ContourSearch::collectVotes() {
       if (truthOff_[i] <= view_.errorPx) continue;
       const float weight = weightOf(truth_[i], truthOff_[i]);
       const std::uint32_t segment = truth_[i].segment;
-      if (view_.kind == SilhouetteKind::kEdges) {
+      if (onlyDetailIsLeft_) {
+        vote(finestMissingAt(segment), weight);
+      } else if (view_.kind == SilhouetteKind::kEdges) {
         vote(nextTowards(mesh.origin(segment)), weight);
         vote(nextTowards(mesh.target(segment)), weight);
       } else {
@@ -246,7 +280,8 @@ std::vector<ContourSearch::Candidate> ContourSearch::rankedCandidates() {
 bool ContourSearch::addRound() {
   const std::vector<Candidate> ranked = rankedCandidates();
   if (ranked.empty()) return false;
-  const double greed = std::max(options_.leastGreed, options_.greed * off_.worst());
+  const double hurry = 1.0 + std::max(0, rounds_ - kHurryFrom) / 10.0;
+  const double greed = hurry * std::max(options_.leastGreed, options_.greed * off_.worst());
   const auto room = static_cast<std::uint32_t>(std::max(8.0, greed * heldCount_));
   const std::uint32_t end = heldCount_ + room;
   std::vector<VertexId> needs;
@@ -318,6 +353,7 @@ bool ContourSearch::run() {
   while (!satisfied() && rounds_ < options_.maxRounds) {
     if (!addRound()) break;
     compare();
+    noteDetail();
     ++rounds_;
   }
   if (!satisfied()) return false;

@@ -80,6 +80,7 @@ class ContourSearch {
   };
 
   void compare();
+  void noteDetail();
   void collectVotes();
   [[nodiscard]] std::vector<Candidate> rankedCandidates();
   bool addRound();
@@ -89,6 +90,7 @@ class ContourSearch {
   void add(VertexId v);
   [[nodiscard]] VertexId nextChildOf(VertexId parent) const;
   [[nodiscard]] VertexId nextTowards(VertexId v) const;
+  [[nodiscard]] VertexId finestMissingAt(std::uint32_t segment) const;
 
   [[nodiscard]] double share() const {
     return view_.kind == SilhouetteKind::kEdges ? options_.edgesShare : options_.smoothShare;
@@ -112,6 +114,7 @@ class ContourSearch {
   std::vector<float> mineOff_;
   ContourOff off_;
   int rounds_ = 0;
+  bool onlyDetailIsLeft_ = false;
 
   std::vector<float> votes_;  // by vertex; 0: not in voted_
   std::vector<VertexId> voted_;

@@ -76,8 +76,14 @@ TargetSet searchedSetOf(const Model& model, const protocol::Pose& pose, const Ha
   const FullMesh* full = model.fullMesh();
   if (full == nullptr) return boundedSetOf(model, pose);
   ContourSearch search(*full, contourViewOf(pose, model.forest().grid), have.words());
-  // Bounds err on the safe side where a search finds no end.
-  return search.run() ? search.target() : boundedSetOf(model, pose);
+  if (search.run()) return search.target();
+  // It found no end within its rounds: what it found, and what bounds say.
+  TargetSet set = search.target();
+  for (const auto& words : boundedSetOf(model, pose).classes) {
+    for (std::size_t i = 0; i < words.size(); ++i)
+      set.classes[0][i] |= words[i];
+  }
+  return set;
 }
 
 }  // namespace
