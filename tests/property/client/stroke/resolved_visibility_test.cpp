@@ -273,5 +273,49 @@ TEST(ResolvedVisibility, SmoothSilhouettesAgreeWithTheSurfaceMeant) {
   RecordProperty("wrong", static_cast<int>(wrong));
 }
 
+/// A light's silhouettes cross the surface where the eye looks straight at it.
+TEST(ResolvedVisibility, SilhouettesOfALightAreSeenWhereTheSurfaceIs) {
+  const Model ball(primitives::icosphere(4));
+  const BoundingSphere sphere = boundingSphere(ball.shape.grid, ball.shape.positions);
+  const Camera camera = orbitCamera(sphere, 0.0, 0.0);
+  const glm::dvec3 eye = ball.shape.grid.fromModel(camera.eye);
+  const glm::dvec3 center = ball.shape.grid.fromModel(sphere.center);
+  const LineScene scene{
+      ball.mesh,
+      ball.shape.positions,
+      ball.shape.grid,
+      camera,
+      Viewport{640, 480}};
+  const VisibilityResolver resolver(ball.mesh, ball.shape.positions);
+  for (const SilhouetteKind kind : {SilhouetteKind::kEdges, SilhouetteKind::kSmooth}) {
+    const SilhouetteField field(ball.mesh, ball.shape.positions, kind);
+    const auto detector = makeDetector(DetectorMethod::kBrute, field);
+    for (const double side : {-1.0, 1.0}) {
+      // From the side: the line goes round the ball from pole to pole.
+      const SilhouetteView light{
+          center + glm::dvec3(side * 1e6, 0.0, 0.0),
+          {-side, 0.0, 0.0},
+          false};
+      SilhouetteChainer chainer;
+      PolylineSet lines = chainer.chain(field, light, detector->detect(light));
+      for (PolylineSet::Line& line : lines.lines)
+        line.onSurface = true;
+      const auto visible = segmentVisibility(lines, resolver.resolve(lines, scene), scene);
+      std::size_t asked = 0;
+      for (const PolylineSet::Line& line : lines.lines) {
+        for (std::uint32_t point = line.begin; point < line.end; ++point) {
+          const glm::dvec3 p(lines.points[point]);
+          const double facing = glm::dot(glm::normalize(p - center), glm::normalize(eye - p));
+          if (std::abs(facing) < 0.15) continue;  // near the outline either may be
+          ++asked;
+          EXPECT_EQ(visible[point] != 0, facing > 0.0)
+              << (kind == SilhouetteKind::kEdges ? "edges" : "smooth") << ", facing " << facing;
+        }
+      }
+      EXPECT_GT(asked, 50U);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace limn
