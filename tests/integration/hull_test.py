@@ -30,8 +30,7 @@ class Hulls(Case):
         whole = 64 * volume(mesh)  # dumps are read in grid steps, and a hull's are four times finer
         asset = self.store / "assets" / prepared["asset"]
         with Server(self.store) as server:
-            entry = json.loads(server.get("/models")[1])[0]
-            self.assertTrue(entry["has_hull"])
+            self.assertTrue(server.wait_for_model("torus")["has_hull"])
             last = whole
             for faces in (2000, 500, 200):
                 outer, inner, report = self.hulls(("--server", server.url, "--model", "torus"), faces)
@@ -52,7 +51,7 @@ class Hulls(Case):
         prepared, _ = self.prepare_shape("hills", hills(20, 20))
         self.assertIn("no hull, because the mesh is open", prepared["hull"]["reason"])
         with Server(self.store) as server:
-            self.assertFalse(json.loads(server.get("/models")[1])[0]["has_hull"])
+            self.assertFalse(server.wait_for_model("hills")["has_hull"])
             with self.assertRaisesRegex(AssertionError, "exit status 1(.|\n)*has no hull, because the mesh is open"):
                 run("limn-client", "render", "--server", server.url, "--model", "hills", "--dump-hull",
                     self.folder / "hull.ply")
