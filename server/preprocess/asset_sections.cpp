@@ -16,12 +16,16 @@ namespace {
 // Splits of one packet of a complete stream: about 8 KB, so that progress shows.
 constexpr std::uint32_t kPacketSplits = 4096;
 
-// Levels are blocks as long as every view needs nearly all of them; what comes after is cheaper
-// chosen by view (measured: server/session/README.md).
+// Levels are blocks as long as every view needs most of them; what comes after is cheaper chosen by
+// view (measured: server/session/README.md). But choosing takes the server up to two seconds on
+// large scans, so these begin with 2,500 triangles to look at.
 constexpr std::uint32_t kBlockVertices = 400;
+constexpr std::uint32_t kBlockVerticesOfLarge = 1300;
 
 std::uint32_t chooseBlockLevels(const SplitForest& forest) {
-  const std::uint32_t wanted = std::min(kBlockVertices, std::max(1U, forest.vertexCount() / 10));
+  const std::uint32_t wanted = std::max(
+      std::min(kBlockVertices, std::max(1U, forest.vertexCount() / 10)),
+      std::min(kBlockVerticesOfLarge, forest.vertexCount() / 80));
   std::uint32_t levels = 0;
   while (levels + 1 < forest.levelCount() && forest.levelBegin[levels + 1] < wanted)
     ++levels;

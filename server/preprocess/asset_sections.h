@@ -34,7 +34,8 @@ struct AssetIdentity {
 };
 
 /// Encodes everything a client can be sent. Levels of the first 400 vertices (a tenth of them at
-/// most) become level blocks. Cost: about 1 µs a split.
+/// most), or of up to 1,300 where that is an eightieth, become level blocks. Cost: about 1 µs a
+/// split.
 [[nodiscard]] WireSections
 encodeWireSections(const BuiltForest& built, const SeedTable& seeds, const AssetIdentity& identity);
 

@@ -22,7 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Part of every asset's id: raised when preparation gives other bytes for the same input.
-constexpr char kFormatVersion[] = "limn-asset-5";
+constexpr char kFormatVersion[] = "limn-asset-6";
 
 class Stopwatch {
  public:

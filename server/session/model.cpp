@@ -159,7 +159,7 @@ std::size_t Model::bytes() const {
       (f.baseTriangles.capacity() + f.triangles.capacity()) * sizeof(glm::uvec3) +
       (f.parents.capacity() + f.ringBegin.capacity() + f.rings.capacity()) * sizeof(VertexId) +
       f.cuts.capacity() * sizeof(RingCut) + f.features.capacity() +
-      f.bounds.capacity() * sizeof(SplitBounds) + smoothCones_.capacity() * sizeof(NormalCone);
+      f.bounds.capacity() * sizeof(SplitBounds) + smoothCones_.capacity() * sizeof(SplitCone);
   const std::lock_guard lock(mutex_);
   return sizeof(*this) + forest + (full_ ? full_->bytes() : 0) +
          (dependents_ ? dependents_->bytes() : 0);

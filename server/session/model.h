@@ -39,7 +39,7 @@ class Model {
   }
 
   /// smoothConesOf(forest()).
-  [[nodiscard]] const std::vector<NormalCone>& smoothCones() const { return smoothCones_; }
+  [[nodiscard]] const std::vector<SplitCone>& smoothCones() const { return smoothCones_; }
 
   // Whole messages, channel 0.
   [[nodiscard]] protocol::Bytes base() const { return base_; }
@@ -68,7 +68,7 @@ class Model {
   std::shared_ptr<const Asset> asset_;
   SplitForest forest_;
   SplitModel splitModel_;
-  std::vector<NormalCone> smoothCones_;
+  std::vector<SplitCone> smoothCones_;
   protocol::Message infoMessage_;
   protocol::Bytes base_;
   std::vector<protocol::Bytes> blocks_;

@@ -47,7 +47,7 @@ bool touchesLine(const SplitForest& forest, std::size_t split) {
 
 }  // namespace
 
-std::vector<NormalCone> smoothConesOf(const SplitForest& forest) {
+std::vector<SplitCone> smoothConesOf(const SplitForest& forest) {
   std::vector<glm::dvec3> normals(forest.vertexCount(), glm::dvec3(0.0));
   for (const glm::uvec3& t : forest.triangles) {
     const std::array<glm::dvec3, 3> p = {
@@ -63,10 +63,10 @@ std::vector<NormalCone> smoothConesOf(const SplitForest& forest) {
       normals[t[k]] += area / length * std::acos(std::clamp(glm::dot(a, b), -1.0, 1.0));
     }
   }
-  std::vector<NormalCone> cones(forest.splitCount());
+  std::vector<SplitCone> cones(forest.splitCount());
   for (std::size_t s = 0; s < cones.size(); ++s) {
     const SplitBounds& bounds = forest.bounds[s];
-    NormalCone& cone = cones[s];
+    SplitCone& cone = cones[s];
     cone = {bounds.coneAxis, bounds.coneCos};
     const glm::dvec3 axis(bounds.coneAxis);
     const auto widen = [&](VertexId v) {
@@ -86,7 +86,7 @@ std::vector<NormalCone> smoothConesOf(const SplitForest& forest) {
 std::vector<std::uint8_t> classifySplits(
     const SplitForest& forest,
     const View& view,
-    std::span<const NormalCone> smoothCones) {
+    std::span<const SplitCone> smoothCones) {
   std::vector<std::uint8_t> classes(forest.splitCount(), kNotNeeded);
   const bool smooth =
       view.silhouette == protocol::Silhouette::kSmooth && smoothCones.size() == classes.size();
@@ -96,7 +96,7 @@ std::vector<std::uint8_t> classifySplits(
     const SplitBounds& bounds = forest.bounds[s];
     const glm::dvec3 center(bounds.center);
     if (!view.maySee(center, bounds.radius)) continue;
-    const NormalCone cone = smooth ? smoothCones[s] : NormalCone{bounds.coneAxis, bounds.coneCos};
+    const SplitCone cone = smooth ? smoothCones[s] : SplitCone{bounds.coneAxis, bounds.coneCos};
     const double perUnit = view.projectedPx(1.0, center, bounds.radius) / view.errorPx;
     const double moved = bounds.error > 0.0F ? bounds.error * perUnit : 0.0;
     double excess = moved;
@@ -156,10 +156,8 @@ TargetSet targetSetOf(
   return set;
 }
 
-TargetSet selectForView(
-    const SplitForest& forest,
-    const View& view,
-    std::span<const NormalCone> smoothCones) {
+TargetSet
+selectForView(const SplitForest& forest, const View& view, std::span<const SplitCone> smoothCones) {
   const auto classes = closeOverPrerequisites(forest, classifySplits(forest, view, smoothCones));
   return targetSetOf(forest, classes, kSettledClasses);
 }

@@ -40,14 +40,14 @@ struct TargetSet {
 /// One cone a split: the split's own, widened to the full mesh's vertex normals around it. Where a
 /// flat face meets a crease, interpolated normals turn within the face although it is flat, and so
 /// smooth silhouettes cross it. Cost: O(splits · ring), once a model.
-[[nodiscard]] std::vector<NormalCone> smoothConesOf(const SplitForest& forest);
+[[nodiscard]] std::vector<SplitCone> smoothConesOf(const SplitForest& forest);
 
 /// What a view needs, before closure: one TargetClass a split. smoothCones: of smoothConesOf(), or
 /// empty; used for smooth silhouettes. Cost: O(splits), about 20 ns each.
 [[nodiscard]] std::vector<std::uint8_t> classifySplits(
     const SplitForest& forest,
     const View& view,
-    std::span<const NormalCone> smoothCones = {});
+    std::span<const SplitCone> smoothCones = {});
 
 /// Lowers the class of every prerequisite to that of what needs it. classes: one a split. One
 /// backward pass suffices, since prerequisites have smaller ids. Cost: O(splits · ring).
@@ -65,7 +65,7 @@ struct TargetSet {
 [[nodiscard]] TargetSet selectForView(
     const SplitForest& forest,
     const View& view,
-    std::span<const NormalCone> smoothCones = {});
+    std::span<const SplitCone> smoothCones = {});
 
 /// Whether `have` (words as in HaveSet, base vertices included) holds every prerequisite of what it
 /// holds. Cost: O(splits held · ring).

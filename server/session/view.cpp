@@ -74,7 +74,7 @@ View viewOfPose(const protocol::Pose& pose, const Grid& grid) {
   return view;
 }
 
-Facing facingOf(const View& view, const SplitBounds& bounds, const NormalCone& cone) {
+Facing facingOf(const View& view, const SplitBounds& bounds, const SplitCone& cone) {
   if (cone.cos <= -1.0F) return Facing::kStraddling;
   const glm::dvec3 axis(cone.axis);
   double halfAngle = std::acos(std::min(1.0, static_cast<double>(cone.cos)));

@@ -50,13 +50,13 @@ struct View {
 enum class Facing : std::uint8_t { kFront, kStraddling, kBack };
 
 /// Directions within an angle of an axis.
-struct NormalCone {
+struct SplitCone {
   glm::vec3 axis{0.0F, 0.0F, 1.0F};  // unit
   float cos = -1.0F;                 // of the half-angle; −1: any direction
 };
 
 /// Conservative: kStraddling unless all normals of the cone, anywhere in the split's sphere, face
 /// the eye (kFront) or none does (kBack).
-[[nodiscard]] Facing facingOf(const View& view, const SplitBounds& bounds, const NormalCone& cone);
+[[nodiscard]] Facing facingOf(const View& view, const SplitBounds& bounds, const SplitCone& cone);
 
 }  // namespace limn
