@@ -441,9 +441,21 @@ std::vector<VertexId> Channel::choose(std::size_t maxSplits) {
     case Plan::kPoseExact:
       return nextSplits(*target_, have_, maxSplits, cursor_);
     case Plan::kEverything:
-      return nextSplitsOfAll(have_, maxSplits, cursor_);
+      return beforeUntouchedRun(nextSplitsOfAll(have_, maxSplits, cursor_));
   }
   return {};
+}
+
+std::vector<VertexId> Channel::beforeUntouchedRun(std::vector<VertexId> ids) const {
+  if (ids.empty()) return ids;
+  const auto& runs = model_->runs();
+  auto run = std::ranges::upper_bound(runs, ids.front(), {}, &Model::Run::begin);
+  for (; run != runs.end() && run->begin <= ids.back(); ++run) {
+    if (have_.countRange(run->begin, run->end) != 0) continue;
+    ids.erase(std::ranges::lower_bound(ids, run->begin), ids.end());
+    break;
+  }
+  return ids;
 }
 
 std::size_t Channel::splitsAPacket() const {
@@ -454,6 +466,10 @@ std::size_t Channel::splitsAPacket() const {
 std::optional<OutMessage> Channel::nextNeeded(const Window& window) {
   if (!window.allows(options_.packetBytes)) return std::nullopt;
   const std::size_t room = roomFor(4);
+  if (const Model::Run* run = nextRun(); run != nullptr && run->end - run->begin <= room) {
+    if (!window.allows(run->splits.size())) return std::nullopt;
+    return packetOf(*run);
+  }
   // With no room left it still matters whether anything is missing.
   const std::vector<VertexId> ids =
       choose(std::max<std::size_t>(std::min(splitsAPacket(), room), 1));
@@ -481,6 +497,22 @@ std::optional<OutMessage> Channel::nextAhead(const Window& window) {
   return packetOf(ids);
 }
 
+const Model::Run* Channel::nextRun() const {
+  if (plan_ != Plan::kEverything || options_.randomSeed) return nullptr;
+  ScheduleCursor cursor = cursor_;
+  const std::vector<VertexId> first = nextSplitsOfAll(have_, 1, cursor);
+  if (first.empty()) return nullptr;
+  const auto& runs = model_->runs();
+  const auto run = std::ranges::lower_bound(runs, first.front(), {}, &Model::Run::begin);
+  if (run == runs.end() || run->begin != first.front()) return nullptr;
+  return have_.countRange(run->begin, run->end) == 0 ? &*run : nullptr;
+}
+
+OutMessage Channel::packetOf(const Model::Run& run) {
+  have_.addRange(run.begin, run.end);
+  return packetOf(run.splits);
+}
+
 OutMessage Channel::packetOf(const std::vector<VertexId>& ids) {
   const std::vector<std::uint8_t> splits =
       encodeSplits(model_->forest(), model_->splitModel(), ids);
@@ -488,6 +520,10 @@ OutMessage Channel::packetOf(const std::vector<VertexId>& ids) {
     have_.add(v);
   const double measured = static_cast<double>(splits.size()) / static_cast<double>(ids.size());
   bytesPerSplit_ = std::max(0.25, 0.5 * (bytesPerSplit_ + measured));
+  return packetOf(splits);
+}
+
+OutMessage Channel::packetOf(protocol::Bytes splits) const {
   protocol::Packet packet;
   packet.channel = request_.id;
   packet.pose = pose_->id;

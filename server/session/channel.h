@@ -141,7 +141,14 @@ class Channel {
   [[nodiscard]] std::optional<OutMessage> nextNeeded(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextAhead(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextSeeds(const Window& window);
+  /// Ids (sorted, the first that are missing) cut off where a run begins of which the client has
+  /// nothing: that one is smaller sent as it is.
+  [[nodiscard]] std::vector<VertexId> beforeUntouchedRun(std::vector<VertexId> ids) const;
+  /// While everything is sent: the run that the client lacks whole and first, if there is one.
+  [[nodiscard]] const Model::Run* nextRun() const;
   [[nodiscard]] OutMessage packetOf(const std::vector<VertexId>& ids);
+  [[nodiscard]] OutMessage packetOf(const Model::Run& run);
+  [[nodiscard]] OutMessage packetOf(protocol::Bytes splits) const;
   [[nodiscard]] std::size_t splitsAPacket() const;
   [[nodiscard]] std::optional<OutMessage> nextSettled();
   [[nodiscard]] std::vector<VertexId> choose(std::size_t maxSplits);

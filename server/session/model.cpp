@@ -131,7 +131,28 @@ Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> as
       return corrupt("its level blocks are not in order");
     }
   }
+  const auto packets = messagesOf<protocol::Packet>(source, sections::kPackets);
+  if (!packets) return tl::unexpected(packets.error().within(where));
+  if (!model->takeRuns(*packets)) return corrupt("its packets are not the whole stream");
   return model;
+}
+
+bool Model::takeRuns(std::span<const Bytes> packets) {
+  VertexId next = forest_.levelBegin[1 + blocks_.size()];
+  for (const Bytes packet : packets) {
+    auto message = protocol::decodeMessage(packet, protocol::Sender::kServer);
+    if (!message) return false;
+    const Bytes splits = message->as<protocol::Packet>()->splits;
+    const auto head = levelRunHead(splits);
+    if (!head || head->begin != next || head->count == 0 ||
+        head->count > forest_.vertexCount() - next) {
+      return false;
+    }
+    next += head->count;
+    runs_.push_back({head->begin, next, splits});
+    runMessages_.push_back(std::move(*message));
+  }
+  return next == forest_.vertexCount();
 }
 
 const FullMesh* Model::fullMesh() const {

@@ -46,6 +46,17 @@ class Model {
 
   [[nodiscard]] const std::vector<protocol::Bytes>& blocks() const { return blocks_; }
 
+  /// A level run (encodeLevelRun) of what comes after the level blocks: for a client that holds
+  /// every vertex before `begin`, and smaller than splits picked one by one.
+  struct Run {
+    VertexId begin = 0;
+    VertexId end = 0;
+    protocol::Bytes splits;  // as in Packet
+  };
+
+  /// In order, without gaps, to the last vertex.
+  [[nodiscard]] const std::vector<Run>& runs() const { return runs_; }
+
   /// One Hull, then HullSplits in order. Empty: none.
   [[nodiscard]] const std::vector<protocol::Bytes>& hull(protocol::HullSide side) const {
     return hulls_[static_cast<std::size_t>(side)];
@@ -65,6 +76,9 @@ class Model {
  private:
   Model() = default;
 
+  /// Takes over the packets of the whole stream. False when they are not that.
+  [[nodiscard]] bool takeRuns(std::span<const protocol::Bytes> packets);
+
   std::shared_ptr<const Asset> asset_;
   SplitForest forest_;
   SplitModel splitModel_;
@@ -72,6 +86,8 @@ class Model {
   protocol::Message infoMessage_;
   protocol::Bytes base_;
   std::vector<protocol::Bytes> blocks_;
+  std::vector<protocol::Message> runMessages_;
+  std::vector<Run> runs_;  // of runMessages_
   std::array<std::vector<protocol::Bytes>, 2> hulls_;
   protocol::Message seedsMessage_;
   protocol::Bytes seeds_;  // of seedsMessage_

@@ -388,6 +388,15 @@ std::vector<std::uint8_t> encodeLevelRun(
   return bytes;
 }
 
+std::optional<LevelRunHead> levelRunHead(std::span<const std::uint8_t> bytes) {
+  VarintReader header(bytes);
+  const auto counted = header.read();
+  if (!counted || *counted % 2 == 0) return std::nullopt;
+  const auto begin = header.read();
+  if (!begin) return std::nullopt;
+  return LevelRunHead{*begin, *counted / 2};
+}
+
 SplitBits measureLevelRun(
     const SplitForest& forest,
     const SplitModel& model,

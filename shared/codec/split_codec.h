@@ -10,6 +10,7 @@
 #include "shared/progressive/split_forest.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -52,6 +53,15 @@ encodeSplits(const SplitForest& forest, const SplitModel& model, std::span<const
     const LevelFronts& fronts,
     VertexId begin,
     VertexId end);
+
+/// What the head of a run that encodeLevelRun made says.
+struct LevelRunHead {
+  VertexId begin = 0;
+  std::uint32_t count = 0;
+};
+
+/// Nothing for any other bytes. Says nothing about what follows the head.
+[[nodiscard]] std::optional<LevelRunHead> levelRunHead(std::span<const std::uint8_t> bytes);
 
 /// What splits hold by kind of symbol, in bits (−Σ log₂ p).
 struct SplitBits {

@@ -183,6 +183,31 @@ TEST(Session, CompleteIsTheWholeModel) {
       (SettledList{{1, Goal::kComplete}, {2, Goal::kExact}, {2, Goal::kComplete}}));
 }
 
+TEST(Session, EverythingFromTheStartIsTheStreamAsItWasPrepared) {
+  Link link;
+  link.hello();
+  link.open("bumpy");
+  link.look({1, 2, 3}, Goal::kComplete);
+  link.settle();
+  std::size_t prepared = 0;
+  for (const Model::Run& run : bumpy()->runs())
+    prepared += run.splits.size();
+  EXPECT_EQ(link.packetBytes_, prepared);
+}
+
+TEST(Session, WhatIsMissingBetweenHeldSplitsAndUntouchedRunsComesCompletely) {
+  Link link;
+  link.hello();
+  link.open("bumpy");
+  link.look({0, 0, 2}, Goal::kSettled);
+  link.settle();
+  ASSERT_FALSE(link.decoder().complete());
+  link.look({0, 0, 2}, Goal::kComplete);
+  link.settle();
+  EXPECT_TRUE(link.decoder().complete());
+  EXPECT_EQ(link.decoder().mesh().mesh().faceCount(), bumpy()->forest().triangles.size());
+}
+
 TEST(Session, TheSamePoseAgainIsAnsweredAgainAndCostsNothing) {
   Link link;
   link.hello();
