@@ -45,8 +45,7 @@ float wrapped(float value, float period) {
 class Walker {
  public:
   Walker(const SpineSet& spines, const SpineArcs& arcs, std::size_t index)
-      : spines_(spines),
-        arcs_(arcs),
+      : arcs_(arcs),
         spine_(spines.spines[index]),
         length_(arcs.length[index]),
         at_(spine_.begin) {}
@@ -75,7 +74,6 @@ class Walker {
   }
 
  private:
-  const SpineSet& spines_;
   const SpineArcs& arcs_;
   const SpineSet::Spine& spine_;
   float length_;

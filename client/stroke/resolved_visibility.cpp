@@ -233,9 +233,7 @@ class ViewResolver {
 VisibilityResolver::VisibilityResolver(
     const HalfEdgeMesh& mesh,
     std::span<const glm::ivec3> positions)
-    : mesh_(&mesh),
-      positions_(positions),
-      bvh_(positions, mesh.triangles()),
+    : bvh_(positions, mesh.triangles()),
       isClosed_(
           std::find(mesh.twins.begin(), mesh.twins.end(), HalfEdgeId{kNone}) == mesh.twins.end()) {}
 

@@ -54,8 +54,6 @@ class VisibilityResolver {
   [[nodiscard]] ResolvedLines resolve(const PolylineSet& lines, const LineScene& scene) const;
 
  private:
-  const HalfEdgeMesh* mesh_;
-  std::span<const glm::ivec3> positions_;
   TriangleBvh bvh_;
   bool isClosed_ = true;
 };

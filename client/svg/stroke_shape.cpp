@@ -79,15 +79,12 @@ StrokeShape strokeShape(std::span<const std::uint8_t> ink, int width) {
   std::vector<std::uint8_t> isInked(columns);
   std::size_t inkedColumns = 0;
   std::size_t inkedPixels = 0;
-  std::uint64_t inkSum = 0;
   for (std::size_t x = 0; x < columns; ++x) {
     isInked[x] = sums[x] > limit ? 1 : 0;
     if (isInked[x] == 0) continue;
     ++inkedColumns;
     for (std::size_t i = x; i < ink.size(); i += columns) {
-      if (ink[i] < 128) continue;
-      ++inkedPixels;
-      inkSum += ink[i];
+      if (ink[i] >= 128) ++inkedPixels;
     }
   }
   if (inkedColumns > 0 && inkedPixels > 0) {
