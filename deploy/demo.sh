@@ -124,7 +124,7 @@ say "preparing $model"
 
 start_server
 say "drawing over the network from $address"
-"$bin/limn-client" render --server "$address" --model "$model" --until settled --camera "$camera" \
+"$bin/limn-client" render --server "$address" --model "$model" --until settled --error-px 0.3 --camera "$camera" \
   --size 1400x1400 --style pencil --width 5 --out "$picture" --report "$work/report.json" || die "drawing failed (above); the server's log is $work/server.log"
 
 python3 - "$work/prepare.json" "$work/report.json" "$work/$model.off" <<'EOF'
