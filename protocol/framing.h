@@ -17,6 +17,11 @@ namespace limn::protocol {
   return payloadBytes < 126 ? 2 : payloadBytes <= 0xFFFF ? 4 : 10;
 }
 
+/// Bytes that a message takes on the wire as a server's WebSocket frame.
+[[nodiscard]] constexpr std::size_t webSocketFrameBytes(std::size_t messageBytes) {
+  return webSocketHeaderBytes(messageBytes) + messageBytes;
+}
+
 /// Appends one message to a section of an asset: its length as u32 little-endian, then its bytes.
 void appendFrame(std::vector<std::uint8_t>& section, std::span<const std::uint8_t> message);
 

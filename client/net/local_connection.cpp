@@ -41,7 +41,7 @@ std::optional<std::vector<std::uint8_t>> LocalConnection::receive() {
 
 void LocalConnection::tell(std::vector<std::uint8_t> message) {
   if (isClosed()) return;
-  const std::size_t wireBytes = message.size() + protocol::webSocketHeaderBytes(message.size());
+  const std::size_t wireBytes = protocol::webSocketFrameBytes(message.size());
   listener_->onMessage(std::move(message), wireBytes);
 }
 

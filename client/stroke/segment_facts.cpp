@@ -104,39 +104,6 @@ SegmentFacts SegmentJudge::judgeSmooth(FaceId face, std::uint32_t point, std::ui
   return facts;
 }
 
-/// Whether a face around either end of an edge, but for its own two, is before its middle.
-bool SegmentJudge::isCoveredNearby(HalfEdgeId h) const {
-  const HalfEdgeMesh& mesh = scene_.mesh;
-  const glm::dvec3 p = 0.5 * (corner(h) + corner(HalfEdgeMesh::next(h)));
-  const glm::dvec3 d = towardEye(p);
-  const HalfEdgeId twin = mesh.twin(h);
-  const auto hits = [&](FaceId f) {
-    const glm::dvec3 a = corner(3 * f);
-    const glm::dvec3 ab = corner(3 * f + 1) - a;
-    const glm::dvec3 ac = corner(3 * f + 2) - a;
-    const glm::dvec3 q = glm::cross(d, ac);
-    const double det = glm::dot(ab, q);
-    if (det == 0.0) return false;
-    const double sign = det > 0.0 ? 1.0 : -1.0;
-    const glm::dvec3 ap = p - a;
-    const double u = sign * glm::dot(ap, q);
-    if (u < 0.0 || u > std::abs(det)) return false;
-    const glm::dvec3 r = glm::cross(ap, ab);
-    const double v = sign * glm::dot(d, r);
-    if (v < 0.0 || u + v > std::abs(det)) return false;
-    return sign * glm::dot(ac, r) > 0.0;
-  };
-  for (const HalfEdgeId start : {h, twin}) {
-    // Round the origin from this edge on; h's own face and its twin's come first and last.
-    HalfEdgeId at = mesh.rotateCcw(start);
-    for (; at != kNone && at != start; at = mesh.rotateCcw(at)) {
-      const FaceId f = HalfEdgeMesh::face(at);
-      if (f != HalfEdgeMesh::face(h) && f != HalfEdgeMesh::face(twin) && hits(f)) return true;
-    }
-  }
-  return false;
-}
-
 SegmentFacts
 SegmentJudge::judge(const PolylineSet::Line& line, std::uint32_t point, std::uint32_t next) const {
   const bool isSilhouette = line.kind == LineKind::kSilhouette && !line.onSurface;
@@ -166,7 +133,12 @@ SegmentJudge::judge(const PolylineSet::Line& line, std::uint32_t point, std::uin
     // A half-edge has its own face to its left; the surface ends on the other side of the front.
     facts.openSide = isFrontHere ? 1.0F : -1.0F;
     facts.bias = slopeBias(isFrontHere ? face : other, 0.5F * kReachPx);
-    facts.hiddenByRule = facts.hiddenByRule || isCoveredNearby(h);
+    facts.hiddenByRule =
+        facts.hiddenByRule || isCoveredNearby(
+                                  scene_.mesh,
+                                  scene_.positions,
+                                  h,
+                                  towardEye(edgeMiddle(scene_.mesh, scene_.positions, h)));
     return facts;
   }
   // A crease inside the picture of the surface, or one that faces away on both sides.

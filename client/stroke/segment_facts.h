@@ -39,7 +39,6 @@ class SegmentJudge {
   [[nodiscard]] bool isFront(FaceId face) const;
   [[nodiscard]] SegmentFacts judgeSmooth(FaceId face, std::uint32_t point, std::uint32_t next)
       const;
-  [[nodiscard]] bool isCoveredNearby(HalfEdgeId h) const;
   /// Depth that face may rise within reachPx of a line on it, at most its own depth range.
   [[nodiscard]] float slopeBias(FaceId face, float reachPx) const;
   /// Window depth, 0 behind the eye.

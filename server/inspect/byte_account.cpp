@@ -23,25 +23,23 @@ SectionBytes measureSection(const std::string& name, std::span<const std::uint8_
       return {.name = name, .messages = 0, .bytes = bytes.size()};
     }
     ++wire.messages;
-    wire.bytes += protocol::webSocketHeaderBytes((*next)->size()) + (*next)->size();
+    wire.bytes += protocol::webSocketFrameBytes((*next)->size());
   }
 }
 
-// In runs as preparation makes them (asset_sections.cpp): probabilities begin anew with each.
-constexpr std::uint32_t kRunSplits = 4096;
-
+// In runs as preparation makes them: probabilities begin anew with each.
 SplitBits measureLevel(const Model& model, const LevelFronts& fronts, std::uint32_t level) {
   SplitBits bits;
   if (level == 0) return bits;
   const SplitForest& forest = model.forest();
   const VertexId end = forest.levelBegin[level + 1];
-  for (VertexId begin = forest.levelBegin[level]; begin < end; begin += kRunSplits) {
+  for (VertexId begin = forest.levelBegin[level]; begin < end; begin += kLevelRunSplits) {
     bits += measureLevelRun(
         forest,
         model.splitModel(),
         fronts,
         begin,
-        std::min(begin + kRunSplits, end));
+        std::min(begin + kLevelRunSplits, end));
   }
   return bits;
 }

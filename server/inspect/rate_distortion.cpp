@@ -28,10 +28,6 @@ constexpr double kSpacingPx = 0.5;
 constexpr int kDracoSpeed = 3;               // draco_encoder -cl 7
 constexpr std::size_t kPacketSplits = 4096;  // as sessions do, about
 
-std::uint64_t onTheWire(std::size_t messageBytes) {
-  return protocol::webSocketHeaderBytes(messageBytes) + messageBytes;
-}
-
 /// Compares visible silhouettes with the full mesh's in one picture.
 class ContourMeter {
  public:
@@ -98,11 +94,11 @@ std::vector<protocol::Pose> posesAround(const Model& model, const RateDistortion
 
 /// What every client receives before anything is chosen for it: info, base, level blocks.
 std::uint64_t startBytes(const Model& model, const ByteAccount& account) {
-  std::uint64_t bytes = onTheWire(model.base().size());
+  std::uint64_t bytes = protocol::webSocketFrameBytes(model.base().size());
   for (const SectionBytes& section : account.sections)
     bytes += section.name == sections::kInfo ? section.bytes : 0;
   for (const protocol::Bytes block : model.blocks())
-    bytes += onTheWire(block.size());
+    bytes += protocol::webSocketFrameBytes(block.size());
   return bytes;
 }
 
@@ -133,7 +129,8 @@ std::uint64_t packetBytes(const Model& model, std::span<const VertexId> ids) {
         model.forest(),
         model.splitModel(),
         ids.first(std::min(kPacketSplits, ids.size())));
-    bytes += onTheWire(protocol::encodeMessage(protocol::Packet{.splits = splits}).size());
+    bytes += protocol::webSocketFrameBytes(
+        protocol::encodeMessage(protocol::Packet{.splits = splits}).size());
   }
   return bytes;
 }
@@ -174,7 +171,7 @@ Result<RateDistortion> measureRateDistortion(
   const std::size_t blockLevels = model.blocks().size();
   std::uint64_t received = startBytes(model, account);
   for (std::size_t b = 0; b < blockLevels; ++b)
-    received -= onTheWire(model.blocks()[b].size());
+    received -= protocol::webSocketFrameBytes(model.blocks()[b].size());
   auto mesh = meshOf(forest, startSet(forest, 0));
   for (const LevelBytes& level : account.levels) {
     if (level.level > 0) {

@@ -13,9 +13,6 @@
 namespace limn {
 namespace {
 
-// Splits of one packet of a complete stream: about 8 KB, so that progress shows.
-constexpr std::uint32_t kPacketSplits = 4096;
-
 // Levels are blocks as long as every view needs most of them; what comes after is cheaper chosen by
 // view (measured: server/session/README.md). But choosing takes the server up to two seconds on
 // large scans, so these begin with 2,500 triangles to look at.
@@ -34,16 +31,12 @@ std::uint32_t chooseBlockLevels(const SplitForest& forest) {
 
 }  // namespace
 
-std::uint64_t frameBytes(std::size_t messageBytes) {
-  return messageBytes + protocol::webSocketHeaderBytes(messageBytes);
-}
-
 std::uint64_t wireBytes(std::span<const std::uint8_t> section) {
   std::uint64_t total = 0;
   protocol::FrameReader reader(section);
   while (const auto message = reader.next()) {
     if (!*message) break;
-    total += frameBytes((*message)->size());
+    total += protocol::webSocketFrameBytes((*message)->size());
   }
   return total;
 }
@@ -82,7 +75,7 @@ WireSections encodeWireSections(
   const auto base =
       protocol::encodeMessage(protocol::Base{.draco = built.baseDraco, .features = features});
   protocol::appendFrame(sections.base, base);
-  sections.levelBytes.push_back(frameBytes(base.size()));
+  sections.levelBytes.push_back(protocol::webSocketFrameBytes(base.size()));
   sections.featureBytes = features.size();
 
   for (std::uint32_t level = 1; level <= blockLevels; ++level) {
@@ -95,18 +88,18 @@ WireSections encodeWireSections(
     const auto message = protocol::encodeMessage(
         protocol::LevelBlock{.level = static_cast<std::uint8_t>(level), .splits = splits});
     protocol::appendFrame(sections.blocks, message);
-    sections.levelBytes.push_back(frameBytes(message.size()));
+    sections.levelBytes.push_back(protocol::webSocketFrameBytes(message.size()));
   }
   // Packets end with their level, so that a level's bytes can be told.
   for (std::uint32_t level = blockLevels + 1; level < forest.levelCount(); ++level) {
     std::uint64_t bytes = 0;
     for (VertexId begin = forest.levelBegin[level]; begin < forest.levelBegin[level + 1];
-         begin += kPacketSplits) {
-      const VertexId end = std::min(begin + kPacketSplits, forest.levelBegin[level + 1]);
+         begin += kLevelRunSplits) {
+      const VertexId end = std::min(begin + kLevelRunSplits, forest.levelBegin[level + 1]);
       const auto splits = encodeLevelRun(forest, model, fronts, begin, end);
       const auto message = protocol::encodeMessage(protocol::Packet{.splits = splits});
       protocol::appendFrame(sections.packets, message);
-      bytes += frameBytes(message.size());
+      bytes += protocol::webSocketFrameBytes(message.size());
     }
     sections.levelBytes.push_back(bytes);
   }

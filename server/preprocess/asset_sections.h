@@ -39,10 +39,7 @@ struct AssetIdentity {
 [[nodiscard]] WireSections
 encodeWireSections(const BuiltForest& built, const SeedTable& seeds, const AssetIdentity& identity);
 
-/// Bytes that a message takes as a server's WebSocket frame [RFC 6455, 5.2].
-[[nodiscard]] std::uint64_t frameBytes(std::size_t messageBytes);
-
-/// frameBytes of all messages of a section.
+/// Bytes that the messages of a section take on the wire.
 [[nodiscard]] std::uint64_t wireBytes(std::span<const std::uint8_t> section);
 
 }  // namespace limn

@@ -294,11 +294,10 @@ SplitModel trainSplitModel(const SplitForest& forest, const LevelFronts& fronts)
   // replaced only where runs lose more until then than it takes to say so.
   constexpr double kBitsToLearn = 48.0;
   constexpr double kLeastGain = 64.0;
-  constexpr std::uint32_t kRunSplits = 4096;
   SplitModel model = defaultSplitModel();
   model.weights = fitWeights(forest);
   const BinCounter counter = countBits(forest, fronts, model.weights);
-  const double runs = forest.levelCount() + forest.splitCount() / kRunSplits;
+  const double runs = forest.levelCount() + forest.splitCount() / kLevelRunSplits;
   for (std::uint32_t c = 0; c < kContexts; ++c) {
     const auto& counts = counter.counts()[c];
     const Probability own = probabilityOf(counts);

@@ -44,6 +44,9 @@ struct SplitModel {
 [[nodiscard]] std::vector<std::uint8_t>
 encodeSplits(const SplitForest& forest, const SplitModel& model, std::span<const VertexId> ids);
 
+/// Splits of a level run, at most, as preparation makes them: some 8 KB, so that progress shows.
+inline constexpr std::uint32_t kLevelRunSplits = 4096;
+
 /// Codes the splits begin … end − 1 of one level for a client that holds every vertex of coarser
 /// levels and, of this one, the vertex before `begin`: their names cost a third of what they cost
 /// in encodeSplits. fronts: frontsOf(forest).

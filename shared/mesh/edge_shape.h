@@ -7,7 +7,13 @@
 
 #include <span>
 
+/// What the surface around an edge does, which decides whether its contour can be seen.
 namespace limn {
+
+[[nodiscard]] inline glm::dvec3
+edgeMiddle(const HalfEdgeMesh& mesh, std::span<const glm::ivec3> positions, HalfEdgeId h) {
+  return 0.5 * (glm::dvec3(positions[mesh.origin(h)]) + glm::dvec3(positions[mesh.target(h)]));
+}
 
 /// Whether the two faces at half-edge h, which has a twin, bend inwards. Exact: grid coordinates
 /// have at most 20 bits, so the triple product fits 64. Cost: O(1).
@@ -21,5 +27,14 @@ isConcave(const HalfEdgeMesh& mesh, std::span<const glm::ivec3> positions, HalfE
   const Wide n(ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x);
   return n.x * ad.x + n.y * ad.y + n.z * ad.z > 0;
 }
+
+/// Whether a face around either end of half-edge h, which has a twin, but for its own two, is in
+/// front of its middle [MollerTrumbore97]. towardEye: from the middle to the eye, any length.
+/// Cost: O(valence).
+[[nodiscard]] bool isCoveredNearby(
+    const HalfEdgeMesh& mesh,
+    std::span<const glm::ivec3> positions,
+    HalfEdgeId h,
+    const glm::dvec3& towardEye);
 
 }  // namespace limn

@@ -6,6 +6,7 @@
 // hidden, the bias follows the slope of the surface, and most of a segment decides for all of it.
 #include "shared/silhouette/visible_contour.h"
 
+#include "shared/mesh/edge_shape.h"
 #include "shared/silhouette/trace.h"
 
 #include <algorithm>
@@ -44,11 +45,14 @@ class Judge {
   bool edgeSegment(HalfEdgeId h, Segment& segment) const {
     const std::uint32_t a = mesh_.origin(h);
     const std::uint32_t b = mesh_.target(h);
-    if (isConcave(h)) return false;
+    if (isConcave(mesh_, field_.positions(), h)) return false;
     segment.from = glm::dvec3(projected_[a]);
     segment.to = glm::dvec3(projected_[b]);
     if (!inPicture(segment)) return false;
-    if (isCoveredNearby(h)) return false;
+    const auto positions = field_.positions();
+    if (isCoveredNearby(mesh_, positions, h, towardEye(edgeMiddle(mesh_, positions, h)))) {
+      return false;
+    }
     segment.outward = rightOf(segment);
     segment.bias = floorAt(segment) + slope(HalfEdgeMesh::face(h));
     return true;
@@ -60,7 +64,7 @@ class Judge {
     const glm::dvec3 b(walk.exitPoint());
     const glm::dvec3 n = normal(face);
     const glm::dvec3 middle = 0.5 * (a + b);
-    const glm::dvec3 toEye = picture_.orthographic ? -picture_.forward : picture_.eye - middle;
+    const glm::dvec3 toEye = towardEye(middle);
     if (glm::dot(glm::cross(n, b - a), toEye) < 0.0) return false;
     segment.from = picture_.project(a);
     segment.to = picture_.project(b);
@@ -98,18 +102,6 @@ class Judge {
         position(mesh_.origins[3 * face + 2]) - a);
   }
 
-  /// Exact: grid coordinates keep the triple product within 64 bits.
-  [[nodiscard]] bool isConcave(HalfEdgeId h) const {
-    using Wide = glm::tvec3<std::int64_t>;
-    const auto at = [&](HalfEdgeId e) { return Wide(field_.positions()[mesh_.origin(e)]); };
-    const Wide a = at(h);
-    const Wide ab = at(HalfEdgeMesh::next(h)) - a;
-    const Wide ac = at(HalfEdgeMesh::prev(h)) - a;
-    const Wide ad = at(HalfEdgeMesh::prev(mesh_.twin(h))) - a;
-    const Wide n(ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x);
-    return n.x * ad.x + n.y * ad.y + n.z * ad.z > 0;
-  }
-
   [[nodiscard]] bool inPicture(const Segment& segment) const {
     if (!picture_.orthographic && (segment.from.z == 0.0 || segment.to.z == 0.0)) return false;
     const glm::dvec2 low = glm::min(glm::dvec2(segment.from), glm::dvec2(segment.to));
@@ -144,35 +136,9 @@ class Judge {
     return length > 1e-6 ? glm::vec2(glm::dvec2(-along.y, along.x) / length) : glm::vec2(0.0F);
   }
 
-  /// Whether a face around either end of an edge, but for its own two, is before its middle
-  /// [Möller, Trumbore 1997].
-  [[nodiscard]] bool isCoveredNearby(HalfEdgeId h) const {
-    const HalfEdgeId twin = mesh_.twin(h);
-    const glm::dvec3 p = 0.5 * (position(mesh_.origin(h)) + position(mesh_.target(h)));
-    const glm::dvec3 d = picture_.orthographic ? -picture_.forward : picture_.eye - p;
-    const auto covers = [&](FaceId f) {
-      const glm::dvec3 a = position(mesh_.origins[3 * f]);
-      const glm::dvec3 ab = position(mesh_.origins[3 * f + 1]) - a;
-      const glm::dvec3 ac = position(mesh_.origins[3 * f + 2]) - a;
-      const glm::dvec3 q = glm::cross(d, ac);
-      const double det = glm::dot(ab, q);
-      if (det == 0.0) return false;
-      const double sign = det > 0.0 ? 1.0 : -1.0;
-      const glm::dvec3 ap = p - a;
-      const double u = sign * glm::dot(ap, q);
-      if (u < 0.0 || u > std::abs(det)) return false;
-      const glm::dvec3 r = glm::cross(ap, ab);
-      const double v = sign * glm::dot(d, r);
-      return v >= 0.0 && u + v <= std::abs(det) && sign * glm::dot(ac, r) > 0.0;
-    };
-    for (const HalfEdgeId start : {h, twin}) {
-      for (HalfEdgeId at = mesh_.rotateCcw(start); at != kNone && at != start;
-           at = mesh_.rotateCcw(at)) {
-        const FaceId f = HalfEdgeMesh::face(at);
-        if (f != HalfEdgeMesh::face(h) && f != HalfEdgeMesh::face(twin) && covers(f)) return true;
-      }
-    }
-    return false;
+  /// From a point of the surface; of a perspective view as long as the way is.
+  [[nodiscard]] glm::dvec3 towardEye(const glm::dvec3& p) const {
+    return picture_.orthographic ? -picture_.forward : picture_.eye - p;
   }
 
   [[nodiscard]] bool test(const Segment& segment, double t) const {

@@ -6,6 +6,7 @@
 // split_ns is what the poses that lead to packets cost above those that lead to none, a split.
 #include "server/session/session.h"
 #include "server/store/directory_store.h"
+#include "tests/bench/one_model.h"
 
 #include "protocol/limits.h"
 
@@ -40,21 +41,6 @@ class InlineTasks final : public TaskRunner {
   }
 
   [[nodiscard]] std::size_t pending() const override { return 0; }
-};
-
-class OneModel final : public ModelSource {
- public:
-  explicit OneModel(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
-
-  [[nodiscard]] const std::vector<CatalogueItem>& catalogue() const override { return items_; }
-
-  [[nodiscard]] Lookup find(std::string_view) override {
-    return {Availability::kReady, model_, model_->forest().vertexCount(), ""};
-  }
-
- private:
-  std::shared_ptr<const Model> model_;
-  std::vector<CatalogueItem> items_;
 };
 
 class NoPeer final : public Peer {

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // GPL because of CGAL's test for self-intersections.
 //
 // limn-hull-bench MESH FACES [POINTS]: both hulls of a mesh at 14 bits, as one line of JSON: CPU
@@ -8,13 +8,10 @@
 #include "server/preprocess/hulls.h"
 #include "server/preprocess/import.h"
 #include "server/preprocess/repair.h"
+#include "tests/property/server/preprocess/self_crossing.h"
 #include "tests/property/winding_number.h"
 
 #include "shared/core/rng.h"
-
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
-#include <CGAL/Surface_mesh.h>
 
 #include <cmath>
 #include <cstdio>
@@ -24,21 +21,6 @@
 
 namespace limn {
 namespace {
-
-using CgalMesh = CGAL::Surface_mesh<CGAL::Exact_predicates_inexact_constructions_kernel::Point_3>;
-
-bool crossesItself(const TriangleMesh& mesh) {
-  CgalMesh cgal;
-  for (const glm::ivec3& p : mesh.positions)
-    cgal.add_vertex({p.x, p.y, p.z});
-  for (const glm::uvec3& t : mesh.triangles) {
-    cgal.add_face(
-        CgalMesh::Vertex_index(t.x),
-        CgalMesh::Vertex_index(t.y),
-        CgalMesh::Vertex_index(t.z));
-  }
-  return CGAL::Polygon_mesh_processing::does_self_intersect(cgal);
-}
 
 /// Points and vertices of `inner`'s inside that are outside `outer`.
 std::size_t violations(const TriangleMesh& inner, const TriangleMesh& outer, std::uint32_t points) {

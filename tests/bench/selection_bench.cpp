@@ -6,6 +6,7 @@
 #include "server/session/contour_search.h"
 #include "server/session/session.h"
 #include "server/store/asset_store.h"
+#include "tests/bench/one_model.h"
 
 #include "shared/core/camera.h"
 #include "shared/silhouette/contour_distance.h"
@@ -60,21 +61,6 @@ class TimedTasks final : public TaskRunner {
  private:
   std::deque<std::pair<std::function<void()>, std::function<void()>>> queue_;
   double longestMs_ = 0.0;
-};
-
-class OneModel final : public ModelSource {
- public:
-  explicit OneModel(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
-
-  [[nodiscard]] const std::vector<CatalogueItem>& catalogue() const override { return items_; }
-
-  [[nodiscard]] Lookup find(std::string_view) override {
-    return {Availability::kReady, model_, model_->forest().vertexCount(), ""};
-  }
-
- private:
-  std::shared_ptr<const Model> model_;
-  std::vector<CatalogueItem> items_;
 };
 
 /// A client at the other end of a session, taking everything at once.

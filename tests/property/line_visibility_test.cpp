@@ -6,6 +6,7 @@
 #include "client/stroke/chain.h"
 #include "client/stroke/visibility.h"
 #include "tests/corpus/corpus.h"
+#include "tests/property/segment_meets.h"
 
 #include "shared/mesh/primitives.h"
 #include "shared/silhouette/brute_force.h"
@@ -32,28 +33,6 @@ MeshSnapshot snapshotOf(const TriangleMesh& shape) {
   return snapshot;
 }
 
-/// Whether triangle abc meets the open segment from p to p + d [Möller, Trumbore 1997].
-bool hits(
-    const glm::dvec3& a,
-    const glm::dvec3& b,
-    const glm::dvec3& c,
-    const glm::dvec3& p,
-    const glm::dvec3& d) {
-  const glm::dvec3 ab = b - a;
-  const glm::dvec3 ac = c - a;
-  const glm::dvec3 q = glm::cross(d, ac);
-  const double det = glm::dot(ab, q);
-  if (det == 0.0) return false;
-  const glm::dvec3 ap = p - a;
-  const double u = glm::dot(ap, q) / det;
-  if (u < 0.0 || u > 1.0) return false;
-  const glm::dvec3 r = glm::cross(ap, ab);
-  const double v = glm::dot(d, r) / det;
-  if (v < 0.0 || u + v > 1.0) return false;
-  const double t = glm::dot(ac, r) / det;
-  return t > 0.0 && t < 1.0;
-}
-
 /// Ground truth by brute force over all faces. Cost: O(faces).
 bool isVisible(const MeshSnapshot& snapshot, const glm::dvec3& eye, HalfEdgeId h) {
   const HalfEdgeMesh& mesh = snapshot.mesh.mesh();
@@ -67,7 +46,8 @@ bool isVisible(const MeshSnapshot& snapshot, const glm::dvec3& eye, HalfEdgeId h
   const glm::dvec3 middle = 0.5 * (a + at(HalfEdgeMesh::next(h)));
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
     if (f == HalfEdgeMesh::face(h) || f == HalfEdgeMesh::face(twin)) continue;
-    if (hits(at(3 * f), at(3 * f + 1), at(3 * f + 2), middle, eye - middle)) return false;
+    const auto t = meets(at(3 * f), at(3 * f + 1), at(3 * f + 2), middle, eye - middle);
+    if (t && *t > 0.0 && *t < 1.0) return false;
   }
   return true;
 }

@@ -4,6 +4,7 @@
 #include "client/stroke/resolved_visibility.h"
 
 #include "client/stroke/chain.h"
+#include "tests/property/segment_meets.h"
 
 #include "shared/core/rng.h"
 #include "shared/mesh/edge_shape.h"
@@ -21,28 +22,6 @@
 
 namespace limn {
 namespace {
-
-/// Whether triangle abc meets the open segment from p to p + d [Möller, Trumbore 1997].
-bool hits(
-    const glm::dvec3& a,
-    const glm::dvec3& b,
-    const glm::dvec3& c,
-    const glm::dvec3& p,
-    const glm::dvec3& d) {
-  const glm::dvec3 ab = b - a;
-  const glm::dvec3 ac = c - a;
-  const glm::dvec3 q = glm::cross(d, ac);
-  const double det = glm::dot(ab, q);
-  if (det == 0.0) return false;
-  const glm::dvec3 ap = p - a;
-  const double u = glm::dot(ap, q) / det;
-  if (u < 0.0 || u > 1.0) return false;
-  const glm::dvec3 r = glm::cross(ap, ab);
-  const double v = glm::dot(d, r) / det;
-  if (v < 0.0 || u + v > 1.0) return false;
-  const double t = glm::dot(ac, r) / det;
-  return t > 1e-9 && t < 1.0;
-}
 
 struct Model {
   TriangleMesh shape;
@@ -77,7 +56,8 @@ bool isVisible(const Model& model, const Camera& camera, HalfEdgeId h, const glm
   }
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
     if (f == HalfEdgeMesh::face(h) || (twin != kNone && f == HalfEdgeMesh::face(twin))) continue;
-    if (hits(model.at(3 * f), model.at(3 * f + 1), model.at(3 * f + 2), p, toEye)) return false;
+    const auto t = meets(model.at(3 * f), model.at(3 * f + 1), model.at(3 * f + 2), p, toEye);
+    if (t && *t > 1e-9 && *t < 1.0) return false;
   }
   return true;
 }

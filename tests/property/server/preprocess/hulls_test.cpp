@@ -3,14 +3,12 @@
 #include "server/preprocess/hulls.h"
 
 #include "tests/corpus/corpus.h"
+#include "tests/property/server/preprocess/self_crossing.h"
 #include "tests/property/winding_number.h"
 
 #include "shared/core/rng.h"
 #include "shared/mesh/primitives.h"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
-#include <CGAL/Surface_mesh.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,28 +19,12 @@
 namespace limn {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using CgalMesh = CGAL::Surface_mesh<Kernel::Point_3>;
-
 TriangleMesh onGridOf(const TriangleMesh& mesh, const ProgressiveHull& hull) {
   TriangleMesh fine = mesh;
   fine.grid = hull.base.grid;
   for (glm::ivec3& p : fine.positions)
     p *= 1 << (hull.base.grid.bits - mesh.grid.bits);
   return fine;
-}
-
-bool crossesItself(const TriangleMesh& mesh) {
-  CgalMesh cgal;
-  for (const glm::ivec3& p : mesh.positions)
-    cgal.add_vertex({p.x, p.y, p.z});
-  for (const glm::uvec3& t : mesh.triangles) {
-    cgal.add_face(
-        CgalMesh::Vertex_index(t.x),
-        CgalMesh::Vertex_index(t.y),
-        CgalMesh::Vertex_index(t.z));
-  }
-  return CGAL::Polygon_mesh_processing::does_self_intersect(cgal);
 }
 
 /// A point of the grid within the mesh's box.
