@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/preprocess/hulls.h"
+#include "server/preprocess/hulls/hulls.h"
 
 #include "protocol/messages.h"
 

@@ -2,10 +2,10 @@
 #include "server/preprocess/pipeline.h"
 
 #include "server/preprocess/asset_sections.h"
-#include "server/preprocess/build_seeds.h"
 #include "server/preprocess/hull_sections.h"
-#include "server/preprocess/hulls.h"
-#include "server/preprocess/import.h"
+#include "server/preprocess/hulls/hulls.h"
+#include "server/preprocess/import/import.h"
+#include "server/preprocess/seeds/build_seeds.h"
 
 #include "shared/progressive/split_forest.h"
 

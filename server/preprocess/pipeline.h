@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/preprocess/build_forest.h"
-#include "server/preprocess/build_hull.h"
-#include "server/preprocess/repair.h"
+#include "server/preprocess/forest/build_forest.h"
+#include "server/preprocess/hulls/build_hull.h"
+#include "server/preprocess/repair/repair.h"
 #include "server/store/asset_store.h"
 
 #include "shared/core/result.h"

@@ -6,9 +6,9 @@
 //   limn-codec-bench BITS MODEL-FILE...
 // Or the universal split model (shared/codec/default_model.h), the mean over meshes and grids:
 //   limn-codec-bench table MODEL-FILE...
-#include "server/preprocess/build_forest.h"
-#include "server/preprocess/import.h"
-#include "server/preprocess/repair.h"
+#include "server/preprocess/forest/build_forest.h"
+#include "server/preprocess/import/import.h"
+#include "server/preprocess/repair/repair.h"
 
 #include "shared/codec/split_codec.h"
 

@@ -5,10 +5,10 @@
 // seconds, volume over the mesh's at FACES faces, whether that level crosses itself, and over all
 // levels asked (FACES and its quarters and fourfolds), how many of POINTS random points and of the
 // vertices are on the wrong side, by exact winding numbers.
-#include "server/preprocess/hulls.h"
-#include "server/preprocess/import.h"
-#include "server/preprocess/repair.h"
-#include "tests/property/server/preprocess/self_crossing.h"
+#include "server/preprocess/hulls/hulls.h"
+#include "server/preprocess/import/import.h"
+#include "server/preprocess/repair/repair.h"
+#include "tests/property/server/preprocess/hulls/self_crossing.h"
 #include "tests/property/winding_number.h"
 
 #include "shared/core/rng.h"

@@ -3,8 +3,8 @@
 // the same mesh at the same face counts, and what each of ours makes of the stream. Prints one JSON
 // object a line. One thread.
 #include "server/preprocess/asset_sections.h"
-#include "server/preprocess/import.h"
-#include "server/preprocess/repair.h"
+#include "server/preprocess/import/import.h"
+#include "server/preprocess/repair/repair.h"
 #include "tests/bench/contour_error.h"
 #include "tests/bench/mesh_error.h"
 #include "tests/bench/reference_simplifiers.h"

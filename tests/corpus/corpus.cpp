@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/corpus/corpus.h"
 
-#include "server/preprocess/import.h"
-#include "server/preprocess/repair.h"
+#include "server/preprocess/import/import.h"
+#include "server/preprocess/repair/repair.h"
 
 #include "shared/mesh/primitives.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/codec/hull_codec.h"
 
-#include "server/preprocess/build_hull.h"
+#include "server/preprocess/hulls/build_hull.h"
 
 #include "shared/core/rng.h"
 #include "shared/mesh/primitives.h"

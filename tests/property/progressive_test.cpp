@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/preprocess/build_forest.h"
+#include "server/preprocess/forest/build_forest.h"
 #include "tests/property/legal_order.h"
 
 #include "shared/mesh/feature_edges.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/codec/split_codec.h"
 
-#include "server/preprocess/build_forest.h"
+#include "server/preprocess/forest/build_forest.h"
 #include "tests/property/legal_order.h"
 
 #include "shared/mesh/primitives.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes: refused with a reason, or a mesh that repair makes a valid manifold of or refuses. The
 // first byte chooses the extension, the rest is the file.
-#include "server/preprocess/import.h"
-#include "server/preprocess/repair.h"
+#include "server/preprocess/import/import.h"
+#include "server/preprocess/repair/repair.h"
 
 #include "shared/mesh/half_edge.h"
 

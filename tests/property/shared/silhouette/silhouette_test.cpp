@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/chain.h"
-#include "server/preprocess/build_forest.h"
+#include "server/preprocess/forest/build_forest.h"
 #include "tests/corpus/corpus.h"
 #include "tests/property/legal_order.h"
 #include "tests/property/shared/silhouette/views.h"

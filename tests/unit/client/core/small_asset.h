@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/preprocess/build_forest.h"
+#include "server/preprocess/forest/build_forest.h"
 
 #include "protocol/messages.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "server/preprocess/asset_sections.h"
-#include "server/preprocess/build_forest.h"
+#include "server/preprocess/forest/build_forest.h"
 #include "server/preprocess/hull_sections.h"
 #include "server/session/catalogue.h"
 #include "server/session/model.h"
