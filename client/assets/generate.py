@@ -17,6 +17,7 @@ import zlib
 
 WIDTH, HEIGHT = 1024, 32
 BODY = 0.6
+TEXELS_ALONG, TEXELS_ACROSS = 4.0, 7.7  # to a pixel of the drawing, for ends of dashes that are round there
 
 
 def write_png(path, rows):
@@ -64,6 +65,11 @@ def smoothstep(low, high, x):
     return t * t * (3 - 2 * t)
 
 
+def px_across(v):
+    """A distance across the strip, which is −1 … 1 wide, in pixels of the drawing."""
+    return v * HEIGHT / 2 / TEXELS_ACROSS
+
+
 def dashes(seed, count, share, uneven, start=0.0):
     """Dashes of uneven length round the repeat: [(begin, end)] in texels from start on, gaps between them."""
     rng = random.Random(seed)
@@ -87,158 +93,132 @@ def from_dash_ends(x, spans):
     return best
 
 
-def pencil(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+# A pen: pen(seed, weight) gives its ink at texel x, y, 0 … 1. v: y as −1 … 1 across the strip; inside: how
+# far x is inside its dash, in pixels of the drawing, or None in a stroke without dashes.
+
+
+def pencil(seed, weight):
     """Graphite: a soft edge, pressure that comes and goes, streaks along and grain across."""
     centre, slow = Noise(seed, 9), Noise(seed + 1, 4)
     width, pressure = Noise(seed + 2, 14), Noise(seed + 3, 11)
     streaks, grain = Noise(seed + 4, 70, 2), Noise(seed + 5, 420, 1)
     fine = Noise(seed + 6, 800, 1)
-    rows = []
-    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
-    for y in range(HEIGHT):
-        v = 2 * (y + 0.5) / HEIGHT - 1
-        row = []
-        for x in range(WIDTH):
-            half = BODY * weight * (0.92 + 0.10 * width(x))
-            off = abs(v - 0.14 * centre(x) - 0.08 * slow(x)) / half
-            ink = smoothstep(1.12, 0.45, off)
-            ink *= 0.86 + 0.12 * pressure(x)
-            ink *= 0.86 + 0.16 * streaks(x, y) + 0.20 * grain(x, y) + 0.10 * fine(x, y)
-            if inside is not None:
-                # Ends of dashes: round, fading as the pencil lifts.
-                px_in = inside[x] / texels_per_px[0]
-                px_off = off * half * HEIGHT / 2 / texels_per_px[1]
-                ink *= smoothstep(-0.4, 1.6, px_in - 0.35 * px_off * px_off)
-            row.append(ink * smoothstep(1.0, 0.92, abs(v)))
-        rows.append(row)
-    return rows
+
+    def ink_at(x, y, v, inside):
+        half = BODY * weight * (0.92 + 0.10 * width(x))
+        off = abs(v - 0.14 * centre(x) - 0.08 * slow(x)) / half
+        ink = smoothstep(1.12, 0.45, off)
+        ink *= 0.86 + 0.12 * pressure(x)
+        ink *= 0.86 + 0.16 * streaks(x, y) + 0.20 * grain(x, y) + 0.10 * fine(x, y)
+        if inside is not None:
+            # Ends of dashes: round, fading as the pencil lifts.
+            away = px_across(off * half)
+            ink *= smoothstep(-0.4, 1.6, inside - 0.35 * away * away)
+        return ink
+    return ink_at
 
 
-def ink_pen(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+def ink_pen(seed, weight):
     """A steel nib: full black, a crisp edge, the width breathing with the hand."""
     centre, slow = Noise(seed, 7), Noise(seed + 1, 3)
     width, swell = Noise(seed + 2, 17), Noise(seed + 3, 5)
     upper, lower = Noise(seed + 4, 120), Noise(seed + 5, 120)
-    rows = []
-    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
-    for y in range(HEIGHT):
-        v = 2 * (y + 0.5) / HEIGHT - 1
-        row = []
-        for x in range(WIDTH):
-            half = BODY * weight * (0.98 + 0.07 * width(x) + 0.10 * swell(x))
-            side = v - 0.07 * centre(x) - 0.06 * slow(x)
+
+    def ink_at(x, y, v, inside):
+        half = BODY * weight * (0.98 + 0.07 * width(x) + 0.10 * swell(x))
+        side = v - 0.07 * centre(x) - 0.06 * slow(x)
+        if inside is None:
             edge = half + 0.035 * (upper(x) if side < 0 else lower(x))
-            ink = smoothstep(edge + 0.09, edge - 0.09, abs(side))
-            if inside is not None:
-                # Round ends, where ink pools a little.
-                px_in = inside[x] / texels_per_px[0]
-                px_off = abs(side) * HEIGHT / 2 / texels_per_px[1]
-                radius = half * HEIGHT / 2 / texels_per_px[1]
-                bulge = radius * (1 + 0.12 * smoothstep(2.2 * radius, radius, px_in))
-                past = bulge - px_in
-                reach = math.hypot(max(past, 0.0), px_off)
-                ink = smoothstep(bulge + 0.35, bulge - 0.35, reach)
-            row.append(ink * smoothstep(1.0, 0.92, abs(v)))
-        rows.append(row)
-    return rows
+            return smoothstep(edge + 0.09, edge - 0.09, abs(side))
+        # Round ends, where ink pools a little.
+        radius = px_across(half)
+        bulge = radius * (1 + 0.12 * smoothstep(2.2 * radius, radius, inside))
+        reach = math.hypot(max(bulge - inside, 0.0), px_across(abs(side)))
+        return smoothstep(bulge + 0.35, bulge - 0.35, reach)
+    return ink_at
 
 
-def coloured_pencil(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+def coloured_pencil(seed, weight):
     """Wax and pigment: a broad soft lead that skips the paper's hollows, in streaks along the stroke."""
     centre, width = Noise(seed, 8), Noise(seed + 1, 12)
     pressure, streaks = Noise(seed + 2, 7), Noise(seed + 3, 40, 3)
     grain, specks = Noise(seed + 4, 300, 2), Noise(seed + 5, 620, 1)
-    rows = []
-    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
-    for y in range(HEIGHT):
-        v = 2 * (y + 0.5) / HEIGHT - 1
-        row = []
-        for x in range(WIDTH):
-            half = BODY * weight * (0.98 + 0.12 * width(x))
-            off = abs(v - 0.10 * centre(x)) / half
-            ink = smoothstep(1.08, 0.75, off)
-            # The lead's own hollows, deeper towards its edges.
-            tooth = 0.55 * grain(x, y) + 0.35 * specks(x, y) + 0.30 * streaks(x, y)
-            ink *= smoothstep(-0.62, 0.25, tooth + 0.42 + 0.22 * pressure(x) - 0.55 * off * off)
-            ink *= 0.92
-            if inside is not None:
-                px_in = inside[x] / texels_per_px[0]
-                px_off = off * half * HEIGHT / 2 / texels_per_px[1]
-                ink *= smoothstep(-0.4, 2.0, px_in - 0.30 * px_off * px_off)
-            row.append(ink * smoothstep(1.0, 0.92, abs(v)))
-        rows.append(row)
-    return rows
+
+    def ink_at(x, y, v, inside):
+        half = BODY * weight * (0.98 + 0.12 * width(x))
+        off = abs(v - 0.10 * centre(x)) / half
+        ink = smoothstep(1.08, 0.75, off)
+        # The lead's own hollows, deeper towards its edges.
+        tooth = 0.55 * grain(x, y) + 0.35 * specks(x, y) + 0.30 * streaks(x, y)
+        ink *= smoothstep(-0.62, 0.25, tooth + 0.42 + 0.22 * pressure(x) - 0.55 * off * off)
+        ink *= 0.92
+        if inside is not None:
+            away = px_across(off * half)
+            ink *= smoothstep(-0.4, 2.0, inside - 0.30 * away * away)
+        return ink
+    return ink_at
 
 
-def felt_pen(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+def felt_pen(seed, weight):
     """A fibre tip: even ink that bleeds a little, darker where it lingers, edges softly frayed."""
     centre, width = Noise(seed, 6), Noise(seed + 1, 26)
     linger, cloud = Noise(seed + 2, 9), Noise(seed + 3, 60, 6)
     upper, lower = Noise(seed + 4, 210), Noise(seed + 5, 210)
-    rows = []
-    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
-    for y in range(HEIGHT):
-        v = 2 * (y + 0.5) / HEIGHT - 1
-        row = []
-        for x in range(WIDTH):
-            half = BODY * weight * (0.97 + 0.05 * width(x) + 0.06 * linger(x))
-            side = v - 0.05 * centre(x)
-            edge = half + 0.05 * (upper(x) if side < 0 else lower(x))
-            ink = smoothstep(edge + 0.16, edge - 0.14, abs(side))
-            ink *= 0.88 + 0.07 * linger(x) + 0.06 * cloud(x, y) + 0.05 * smoothstep(0.5, 1.0, abs(side) / half)
-            if inside is not None:
-                px_in = inside[x] / texels_per_px[0]
-                px_off = abs(side) * HEIGHT / 2 / texels_per_px[1]
-                radius = half * HEIGHT / 2 / texels_per_px[1]
-                ink *= smoothstep(radius + 0.6, radius - 0.6, math.hypot(max(radius - px_in, 0.0), px_off))
-            row.append(ink * smoothstep(1.0, 0.92, abs(v)))
-        rows.append(row)
-    return rows
+
+    def ink_at(x, y, v, inside):
+        half = BODY * weight * (0.97 + 0.05 * width(x) + 0.06 * linger(x))
+        side = v - 0.05 * centre(x)
+        edge = half + 0.05 * (upper(x) if side < 0 else lower(x))
+        ink = smoothstep(edge + 0.16, edge - 0.14, abs(side))
+        ink *= 0.88 + 0.07 * linger(x) + 0.06 * cloud(x, y) + 0.05 * smoothstep(0.5, 1.0, abs(side) / half)
+        if inside is not None:
+            radius = px_across(half)
+            reach = math.hypot(max(radius - inside, 0.0), px_across(abs(side)))
+            ink *= smoothstep(radius + 0.6, radius - 0.6, reach)
+        return ink
+    return ink_at
 
 
-def marker(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+def marker(seed, weight):
     """A chisel marker: broad, translucent, straight edges darker than the middle, dry streaks now and then."""
     width, dry = Noise(seed, 10), Noise(seed + 1, 8)
     streaks, pools = Noise(seed + 2, 26, 2), Noise(seed + 3, 14)
-    rows = []
-    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
-    for y in range(HEIGHT):
-        v = 2 * (y + 0.5) / HEIGHT - 1
-        row = []
-        for x in range(WIDTH):
-            half = BODY * weight * (1.0 + 0.03 * width(x))
-            off = abs(v) / half
-            ink = smoothstep(1.06, 0.94, off)
-            tone = 0.78 + 0.10 * pools(x) + 0.16 * smoothstep(0.70, 0.98, off)
-            tone -= 0.26 * smoothstep(0.15, 0.75, streaks(x, y) + 0.55 * dry(x))
-            if inside is not None:
-                # Cut square, as the chisel is.
-                ink *= smoothstep(-0.4, 0.5, inside[x] / texels_per_px[0])
-            row.append(ink * tone * smoothstep(1.0, 0.92, abs(v)))
-        rows.append(row)
-    return rows
+
+    def ink_at(x, y, v, inside):
+        half = BODY * weight * (1.0 + 0.03 * width(x))
+        off = abs(v) / half
+        ink = smoothstep(1.06, 0.94, off)
+        tone = 0.78 + 0.10 * pools(x) + 0.16 * smoothstep(0.70, 0.98, off)
+        tone -= 0.26 * smoothstep(0.15, 0.75, streaks(x, y) + 0.55 * dry(x))
+        if inside is not None:
+            # Cut square, as the chisel is.
+            ink *= smoothstep(-0.4, 0.5, inside)
+        return ink * tone
+    return ink_at
 
 
-def technical(seed, spans=None, texels_per_px=(4.0, 7.7), weight=1.0):
+def technical(_, weight):
     """A plotter's line: one width, one black, square dashes."""
+    def ink_at(_x, _y, v, inside):
+        ink = smoothstep(BODY * weight + 0.05, BODY * weight - 0.05, abs(v))
+        return ink if inside is None else ink * smoothstep(-0.35, 0.35, inside)
+    return ink_at
+
+
+def draw(ink_at, spans=None):
+    """The picture of a pen's stroke, in dashes if spans are given; nothing touches its upper and lower edge."""
+    inside = [None if spans is None else from_dash_ends(x + 0.5, spans) / TEXELS_ALONG for x in range(WIDTH)]
     rows = []
-    inside = None if spans is None else [from_dash_ends(x + 0.5, spans) for x in range(WIDTH)]
     for y in range(HEIGHT):
         v = 2 * (y + 0.5) / HEIGHT - 1
-        across = smoothstep(BODY * weight + 0.05, BODY * weight - 0.05, abs(v))
-        row = []
-        for x in range(WIDTH):
-            ink = across
-            if inside is not None:
-                ink *= smoothstep(-0.35, 0.35, inside[x] / texels_per_px[0])
-            row.append(ink)
-        rows.append(row)
+        margin = smoothstep(1.0, 0.92, abs(v))
+        rows.append([ink_at(x, y, v, inside[x]) * margin for x in range(WIDTH)])
     return rows
 
 
 def main():
     folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent
-    for name, draw, seed, dash in (
+    for name, pen, seed, dash in (
         ("pencil", pencil, 100, dict(count=17, share=0.62, uneven=0.16)),
         ("ink", ink_pen, 200, dict(count=20, share=0.58, uneven=0.07)),
         ("coloured-pencil", coloured_pencil, 300, dict(count=15, share=0.60, uneven=0.18)),
@@ -247,9 +227,8 @@ def main():
         ("technical", technical, 600, dict(count=16, share=0.66, uneven=0.0)),
     ):
         (folder / name).mkdir(parents=True, exist_ok=True)
-        write_png(folder / name / "visible.png", draw(seed))
-        spans = dashes(seed + 50, **dash)
-        write_png(folder / name / "hidden.png", draw(seed + 20, spans=spans, weight=0.72))
+        write_png(folder / name / "visible.png", draw(pen(seed, 1.0)))
+        write_png(folder / name / "hidden.png", draw(pen(seed + 20, 0.72), dashes(seed + 50, **dash)))
 
 
 main()
