@@ -186,6 +186,11 @@ Result<ContourError> checkAgainstReference(
   return compareContours(ours, theirs, options.viewport);
 }
 
+/// Whether some output other than the picture has lines in it.
+bool usesLines(const RenderCommandOptions& options) {
+  return !options.svg.empty() || !options.dumpLines.empty() || options.check;
+}
+
 /// Draws every frame and writes every output.
 class Drawing {
  public:
@@ -205,22 +210,15 @@ class Drawing {
   }
 
   Result<void> drawFrame(const Camera& camera, std::uint32_t index) {
-    if (!finder_) {
-      LineFinderOptions lines = lineOptions(options_);
-      if (options_.detector == DetectorMethod::kImage) {
-        if (auto ok = makeImageSeeds(); !ok) return ok;
-        lines.imageSeeds = [this](const MeshSnapshot& snapshot, const Camera& from) {
-          return imageSeeds_->find(snapshot, from);
-        };
-      }
-      finder_.emplace(outcome_.snapshot, lines);
-      // Working memory grows on first use; the frames timed are those of a view that is going on.
-      static_cast<void>(finder_->find(camera));
-    }
-    auto found = finder_->find(camera);
     const bool last = index + 1 == options_.frames;
     // Without a number in a path every frame is the same picture: the last one is kept.
     const bool isKept = options_.orbitPath || last;
+    LineFinder::Lines found;
+    if (needsLines(options_.draw) || (isKept && usesLines(options_))) {
+      auto lines = findLines(camera);
+      if (!lines) return tl::unexpected(lines.error());
+      found = *std::move(lines);
+    }
     if (!options_.out.empty() || !options_.report.empty()) {
       auto frame = painter_.draw(*outcome_.snapshot, found.lines, camera);
       if (!frame) return tl::unexpected(frame.error());
@@ -267,7 +265,8 @@ class Drawing {
     report.outcome = &outcome_;
     report.modelName = modelName_;
     report.frames = times_;
-    report.detectorName = options_.detectorName;
+    report.detectorName =
+        needsLines(options_.draw) || usesLines(options_) ? options_.detectorName : "none";
     report.stats = stats_;
     report.loops = loops_;
     report.recall = recall_;
@@ -277,6 +276,22 @@ class Drawing {
   }
 
  private:
+  Result<LineFinder::Lines> findLines(const Camera& camera) {
+    if (!finder_) {
+      LineFinderOptions lines = lineOptions(options_);
+      if (options_.detector == DetectorMethod::kImage) {
+        if (auto ok = makeImageSeeds(); !ok) return tl::unexpected(ok.error());
+        lines.imageSeeds = [this](const MeshSnapshot& snapshot, const Camera& from) {
+          return imageSeeds_->find(snapshot, from);
+        };
+      }
+      finder_.emplace(outcome_.snapshot, lines);
+      // Working memory grows on first use; the frames timed are those of a view that is going on.
+      static_cast<void>(finder_->find(camera));
+    }
+    return finder_->find(camera);
+  }
+
   const LineResolver& resolver() {
     if (!resolver_) resolver_.emplace(*outcome_.snapshot);
     return *resolver_;

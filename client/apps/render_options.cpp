@@ -89,13 +89,13 @@ Result<void> understandStrokes(const RawFlags& raw, RenderCommandOptions& option
 }
 
 Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& options) {
-  if (raw.draw == "shaded") {
-    options.draw = DrawMode::kShaded;
-  } else if (raw.draw != "strokes") {
+  if (const auto mode = parseDrawMode(raw.draw)) {
+    options.draw = *mode;
+  } else {
     const bool known = raw.draw == "clip" || raw.draw == "image-edges" ||
                        raw.draw == "geometry-shader" || raw.draw.starts_with("image-precision:");
     if (known) return later("--draw " + raw.draw);
-    return wrong("--draw " + raw.draw + " is unknown: write strokes or shaded");
+    return tl::unexpected(mode.error().within("--draw"));
   }
   options.detectorName = raw.detector;
   if (const auto method = detectorFromName(raw.detector)) {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/render/renderer.h"
 
-#include "client/render/mesh_pass.h"
+#include "client/render/draw_tools.h"
+#include "client/render/drawing_method.h"
 #include "client/render/shaders/shaders.h"
-#include "client/render/stroke_pass.h"
 #include "client/render/style_store.h"
-#include "client/stroke/stroke_builder.h"
 
 #include "shared/gl/program.h"
 #include "shared/gl/target.h"
@@ -14,6 +13,9 @@
 #include <bit>
 #include <chrono>
 #include <cstring>
+#include <map>
+#include <optional>
+#include <string>
 #include <utility>
 
 namespace limn {
@@ -22,55 +24,23 @@ namespace {
 /// Supersampled pixels of a frame, at most: depth and ink together are six bytes each.
 constexpr std::int64_t kMaxPixels = std::int64_t{64} << 20;
 constexpr int kMaxSide = 16384;
-/// Cells in which the density of hidden lines is measured, pixels a side.
-constexpr int kDensityCell = 24;
 
 double millisecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
       .count();
 }
 
-StrokePass::Hidden hiddenMode(HiddenLines hidden) {
-  switch (hidden) {
-    case HiddenLines::kStyle:
-      return StrokePass::Hidden::kStyle;
-    case HiddenLines::kOff:
-      return StrokePass::Hidden::kOff;
-    case HiddenLines::kAsVisible:
-      return StrokePass::Hidden::kAsVisible;
-  }
-  return StrokePass::Hidden::kStyle;
-}
-
 }  // namespace
-
-Result<HiddenLines> parseHiddenLines(std::string_view name) {
-  if (name == "style") return HiddenLines::kStyle;
-  if (name == "off") return HiddenLines::kOff;
-  if (name == "as-visible") return HiddenLines::kAsVisible;
-  return fail(
-      ErrorCode::kInvalidArgument,
-      "hidden lines cannot be '" + std::string(name) + "': use style, off or as-visible");
-}
 
 struct Renderer::Impl {
   std::unique_ptr<GlContext> context;  // first in, last out: everything below lives on it
   GlDescription description;
   StyleStore styles;
-  MeshPass meshPass;
-  StrokePass strokePass;
-  StrokeBuilder strokeBuilder;
-  gl::Program paperProgram;
-  gl::Program densityProgram;
-  gl::Program reduceProgram;
+  std::optional<DrawTools> tools;
+  std::map<DrawMode, std::unique_ptr<DrawingMethod>> methods;  // those asked for so far
   gl::Program depthBitsProgram;
-  gl::VertexArray noAttributes;
-  gl::Target depthTarget;    // supersampled, depth alone
-  gl::Target inkTarget;      // supersampled, kRg8
-  gl::Target densityTarget;  // kR8, a texel a cell of kDensityCell pixels
-  gl::Target shadedTarget;   // supersampled, colour and depth
-  gl::Target pictureTarget;  // the picture
-  gl::Target bitsTarget;     // kR32ui
+  gl::Target pictureTarget;
+  gl::Target bitsTarget;  // kR32ui
 
   Impl(std::unique_ptr<GlContext> glContext, std::filesystem::path assets)
       : context(std::move(glContext)),
@@ -92,49 +62,27 @@ struct Renderer::Impl {
       return std::string(bytes == nullptr ? "" : bytes);
     };
     description = {text(GL_RENDERER), text(GL_VERSION)};
-    auto mesh = MeshPass::create(api());
-    if (!mesh) return tl::unexpected(mesh.error());
-    auto stroke = StrokePass::create(api());
-    if (!stroke) return tl::unexpected(stroke.error());
-    auto paper =
-        gl::Program::build(api(), "paper", shaders::kScreenVertex, shaders::kPaperFragment);
-    if (!paper) return tl::unexpected(paper.error());
-    auto reduce =
-        gl::Program::build(api(), "reduce", shaders::kScreenVertex, shaders::kReduceFragment);
-    if (!reduce) return tl::unexpected(reduce.error());
-    auto density =
-        gl::Program::build(api(), "density", shaders::kScreenVertex, shaders::kDensityFragment);
-    if (!density) return tl::unexpected(density.error());
+    auto made = DrawTools::create(api());
+    if (!made) return tl::unexpected(made.error());
     auto bits = gl::Program::build(
         api(),
         "depth read-back",
         shaders::kScreenVertex,
         shaders::kDepthBitsFragment);
     if (!bits) return tl::unexpected(bits.error());
-    meshPass = *std::move(mesh);
-    strokePass = *std::move(stroke);
-    paperProgram = *std::move(paper);
-    densityProgram = *std::move(density);
-    reduceProgram = *std::move(reduce);
+    tools = *std::move(made);
     depthBitsProgram = *std::move(bits);
-    noAttributes = gl::VertexArray::create(api());
     return {};
   }
 
-  /// Makes `target` anew unless it already has this size.
-  Result<void> fit(gl::Target& target, std::string_view name, const gl::Target::Options& options) {
-    if (target.size() == options.size) return {};
-    target = {};  // free the old one first
-    auto made = gl::Target::create(api(), name, options);
-    if (!made) return tl::unexpected(made.error());
-    target = *std::move(made);
-    return {};
-  }
-
-  void drawScreen() {
-    api().disable(GL_BLEND);
-    api().bindVertexArray(noAttributes.id());
-    api().drawArrays(GL_TRIANGLES, 0, 3);
+  Result<DrawingMethod*> method(DrawMode mode) {
+    std::unique_ptr<DrawingMethod>& slot = methods[mode];
+    if (!slot) {
+      auto made = makeDrawingMethod(mode, *tools);
+      if (!made) return tl::unexpected(made.error());
+      slot = *std::move(made);
+    }
+    return slot.get();
   }
 
   Image readPicture() {
@@ -155,17 +103,19 @@ struct Renderer::Impl {
     return image;
   }
 
-  Result<DepthImage> readDepth() {
-    const gl::TextureSize size = depthTarget.size();
+  Result<DepthImage> readDepth(const DrawRequest& request) {
+    const gl::TextureSize size = request.fineSize();
+    const auto depth = tools->depthImage(request.snapshot, request.camera, size);
+    if (!depth) return tl::unexpected(depth.error());
     const gl::Target::Options options{.size = size, .color = gl::TexelFormat::kR32ui};
-    if (auto fitted = fit(bitsTarget, "the depth read-back", options); !fitted) {
-      return tl::unexpected(fitted.error());
+    if (auto ok = tools->fit(bitsTarget, "the depth read-back", options); !ok) {
+      return tl::unexpected(ok.error());
     }
     bitsTarget.bind();
     depthBitsProgram.use();
     depthBitsProgram.set("depthMap", 0);
-    gl::bindTexture(api(), 0, depthTarget.depth());
-    drawScreen();
+    gl::bindTexture(api(), 0, (*depth)->depth());
+    tools->drawScreen();
     const auto width = static_cast<std::size_t>(size.width);
     const auto height = static_cast<std::size_t>(size.height);
     DepthImage image{size.width, size.height, {}};
@@ -215,8 +165,6 @@ Result<Frame> Renderer::Impl::render(
   if (auto current = context->makeCurrent(); !current) return tl::unexpected(current.error());
   const auto loaded = styles.load(api(), options.style);
   if (!loaded) return tl::unexpected(loaded.error());
-  const StrokeStyle& style = (*loaded)->style;
-  const glm::vec3 paper = options.paper.value_or(style.paper);
 
   // A very large picture is its own supersampling.
   GLint largest = 0;
@@ -228,129 +176,38 @@ Result<Frame> Renderer::Impl::render(
   };
   while (factor > 1 && tooLarge(factor))
     --factor;
-  const gl::TextureSize fine{viewport.width * factor, viewport.height * factor};
+  const DrawRequest request{
+      snapshot,
+      lines,
+      camera,
+      options,
+      **loaded,
+      options.paper.value_or((*loaded)->style.paper),
+      factor};
+  const auto drawing = method(options.draw);
+  if (!drawing) return tl::unexpected(drawing.error());
 
   Frame frame;
+  FrameTimings& timings = frame.timings;
   auto start = std::chrono::steady_clock::now();
-  if (meshPass.upload(snapshot)) {
+  if (tools->begin(snapshot)) {
     api().finish();
-    frame.timings.uploadMs = millisecondsSince(start);
+    timings.uploadMs = millisecondsSince(start);
   }
-  const auto fitted =
-      fit(pictureTarget,
-          "the picture",
-          {.size = {viewport.width, viewport.height}, .color = gl::TexelFormat::kRgba8});
-  if (!fitted) return tl::unexpected(fitted.error());
-
-  if (options.draw == DrawMode::kShaded) {
-    start = std::chrono::steady_clock::now();
-    if (auto ok =
-            fit(shadedTarget,
-                "the supersampled picture",
-                {.size = fine, .color = gl::TexelFormat::kRgba8, .hasDepth = true});
-        !ok) {
-      return tl::unexpected(ok.error());
-    }
-    meshPass.drawShaded(snapshot, camera, shadedTarget, paper);
-    pictureTarget.bind();
-    reduceProgram.use();
-    reduceProgram.set("picture", 0);
-    reduceProgram.set("supersample", factor);
-    gl::bindTexture(api(), 0, shadedTarget.color());
-    drawScreen();
-    frame.image = readPicture();
-    frame.timings.drawMs = millisecondsSince(start);
+  const gl::Target::Options picture{
+      .size = {viewport.width, viewport.height},
+      .color = gl::TexelFormat::kRgba8};
+  if (auto ok = tools->fit(pictureTarget, "the picture", picture); !ok) {
+    return tl::unexpected(ok.error());
   }
-
-  if (options.draw == DrawMode::kStrokes || options.keepDepth) {
-    start = std::chrono::steady_clock::now();
-    if (auto ok =
-            fit(depthTarget,
-                "the depth image",
-                {.size = fine, .hasColor = false, .hasDepth = true});
-        !ok) {
-      return tl::unexpected(ok.error());
-    }
-    meshPass.drawDepth(snapshot, camera, depthTarget);
-    api().finish();
-    frame.timings.visibilityMs += millisecondsSince(start);
+  start = std::chrono::steady_clock::now();
+  if (auto ok = (*drawing)->draw(request, pictureTarget, timings); !ok) {
+    return tl::unexpected(ok.error());
   }
-
-  if (options.draw == DrawMode::kStrokes) {
-    start = std::chrono::steady_clock::now();
-    const LineScene scene{
-        snapshot.mesh.mesh(),
-        snapshot.mesh.positions(),
-        snapshot.model.grid,
-        camera,
-        viewport};
-    const float widthPx =
-        options.widthModelUnits
-            ? std::clamp(widthInPixels(*options.widthModelUnits, camera, viewport), 0.1F, 256.0F)
-            : static_cast<float>(options.widthPx.value_or(style.widthPx));
-    const BuiltStrokes strokes = strokeBuilder.build(
-        lines,
-        scene,
-        style,
-        {.widthPx = widthPx,
-         .widthFalloff = options.widthModelUnits ? 1.0F : static_cast<float>(options.widthFalloff),
-         .brush = options.brush,
-         .samples = {.spacingPx = 1.0F, .maxSamples = StrokePass::kMaxSamples}});
-    frame.timings.strokeMs = millisecondsSince(start);
-
-    start = std::chrono::steady_clock::now();
-    if (auto found = strokePass.findVisibility(strokes.samples, depthTarget.depth()); !found) {
-      return tl::unexpected(found.error());
-    }
-    api().finish();
-    frame.timings.visibilityMs += millisecondsSince(start);
-
-    start = std::chrono::steady_clock::now();
-    if (auto ok = fit(inkTarget, "the ink", {.size = fine, .color = gl::TexelFormat::kRg8}); !ok) {
-      return tl::unexpected(ok.error());
-    }
-    strokePass.draw(
-        strokes.mesh,
-        **loaded,
-        {.viewport = viewport, .hidden = hiddenMode(options.hidden)},
-        inkTarget);
-    const gl::TextureSize cells{
-        (viewport.width + kDensityCell - 1) / kDensityCell,
-        (viewport.height + kDensityCell - 1) / kDensityCell};
-    if (auto ok =
-            fit(densityTarget,
-                "the density of lines",
-                {.size = cells, .color = gl::TexelFormat::kR8});
-        !ok) {
-      return tl::unexpected(ok.error());
-    }
-    densityTarget.bind();
-    densityProgram.use();
-    densityProgram.set("inkMap", 0);
-    densityProgram.set("cell", kDensityCell * factor);
-    gl::bindTexture(api(), 0, inkTarget.color());
-    drawScreen();
-    pictureTarget.bind();
-    paperProgram.use();
-    paperProgram.set("densityMap", 1);
-    paperProgram.set("cell", static_cast<float>(kDensityCell));
-    gl::bindTexture(api(), 1, densityTarget.color());
-    paperProgram.set("inkMap", 0);
-    paperProgram.set("supersample", factor);
-    paperProgram.set("paper", paper);
-    paperProgram.set("visibleColor", style.visible.color);
-    paperProgram.set("hiddenColor", style.hidden.color);
-    paperProgram.set("opacities", glm::vec2(style.visible.opacity, style.hidden.opacity));
-    paperProgram.set("grain", style.grain);
-    paperProgram.set("pictureHeight", viewport.height);
-    gl::bindTexture(api(), 0, inkTarget.color());
-    drawScreen();
-    frame.image = readPicture();
-    frame.timings.drawMs = millisecondsSince(start);
-  }
-
+  frame.image = readPicture();
+  timings.drawMs = millisecondsSince(start) - timings.strokeMs - timings.visibilityMs;
   if (options.keepDepth) {
-    auto depth = readDepth();
+    auto depth = readDepth(request);
     if (!depth) return tl::unexpected(depth.error());
     frame.depth = *std::move(depth);
   }

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/stroke/brush.h"
+
+#include "shared/core/camera.h"
+#include "shared/core/result.h"
+
+#include <glm/glm.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace limn {
+
+/// How a frame is drawn: `--draw NAME`.
+enum class DrawMode {
+  kStrokes,  // stylised lines on paper
+  kShaded,   // the mesh, lit; no lines
+};
+
+/// Errors: kInvalidArgument, naming the choices.
+[[nodiscard]] Result<DrawMode> parseDrawMode(std::string_view name);
+/// As parseDrawMode() reads it.
+[[nodiscard]] std::string_view nameOf(DrawMode mode);
+/// Whether it draws lines that a detector found; the others find theirs on the GPU.
+[[nodiscard]] bool needsLines(DrawMode mode);
+
+/// What becomes of the hidden parts of lines: `--hidden style|off|as-visible`.
+enum class HiddenLines { kStyle, kOff, kAsVisible };
+
+/// Errors: kInvalidArgument, naming the choices.
+[[nodiscard]] Result<HiddenLines> parseHiddenLines(std::string_view name);
+
+struct RenderOptions {
+  Viewport viewport;
+  DrawMode draw = DrawMode::kStrokes;
+  std::string style = "pencil";           // a texture set: client/assets/NAME/style.toml
+  std::optional<double> widthPx;          // stroke width; the style's own when unset
+  std::optional<double> widthModelUnits;  // instead: goes with distance as the model does
+  double widthFalloff = 0.0;  // of a width in pixels: 0 the same everywhere, 1 as the model
+  Brush brush;                // leads strokes off their lines
+  HiddenLines hidden = HiddenLines::kStyle;
+  std::optional<glm::vec3> paper;  // background, sRGB 0 … 1; the style's own when unset
+  int supersample = 2;             // lines are drawn this many times larger and reduced; 1 to 4
+  bool keepDepth = false;          // also return the depth image (for segmentVisibility)
+};
+
+/// Wall-clock milliseconds of one frame, each pass finished before the next is timed.
+struct FrameTimings {
+  double uploadMs = 0.0;      // mesh to the GPU, only when it has changed
+  double strokeMs = 0.0;      // tessellation of lines into strips
+  double visibilityMs = 0.0;  // depth pass and visibility along the lines
+  double drawMs = 0.0;        // all other drawing, read-back
+};
+
+}  // namespace limn

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/render/drawing_method.h"
+
+#include "client/render/shaded_method.h"
+#include "client/render/strokes_method.h"
+#include "client/stroke/stroke_builder.h"
+
+#include <algorithm>
+
+namespace limn {
+
+float DrawRequest::lineWidthPx() const {
+  if (options.widthModelUnits) {
+    const float px = widthInPixels(*options.widthModelUnits, camera, options.viewport);
+    return std::clamp(px, 0.1F, 256.0F);
+  }
+  return static_cast<float>(options.widthPx.value_or(style.style.widthPx));
+}
+
+Result<std::unique_ptr<DrawingMethod>> makeDrawingMethod(DrawMode mode, DrawTools& tools) {
+  switch (mode) {
+    case DrawMode::kStrokes:
+      return StrokesMethod::create(tools);
+    case DrawMode::kShaded:
+      return ShadedMethod::create(tools);
+  }
+  return fail(ErrorCode::kUnsupported, "this way to draw is not in this release");
+}
+
+}  // namespace limn

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/render/strokes_method.h"
+
+#include "client/render/shaders/shaders.h"
+
+#include <chrono>
+#include <utility>
+
+namespace limn {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Cells in which the density of hidden lines is measured, pixels a side.
+constexpr int kDensityCell = 24;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+StrokePass::Hidden hiddenMode(HiddenLines hidden) {
+  switch (hidden) {
+    case HiddenLines::kStyle:
+      return StrokePass::Hidden::kStyle;
+    case HiddenLines::kOff:
+      return StrokePass::Hidden::kOff;
+    case HiddenLines::kAsVisible:
+      return StrokePass::Hidden::kAsVisible;
+  }
+  return StrokePass::Hidden::kStyle;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<DrawingMethod>> StrokesMethod::create(DrawTools& tools) {
+  std::unique_ptr<StrokesMethod> method(new StrokesMethod(tools));
+  auto pass = StrokePass::create(tools.api());
+  if (!pass) return tl::unexpected(pass.error());
+  auto paper =
+      gl::Program::build(tools.api(), "paper", shaders::kScreenVertex, shaders::kPaperFragment);
+  if (!paper) return tl::unexpected(paper.error());
+  auto density =
+      gl::Program::build(tools.api(), "density", shaders::kScreenVertex, shaders::kDensityFragment);
+  if (!density) return tl::unexpected(density.error());
+  method->pass_ = *std::move(pass);
+  method->paperProgram_ = *std::move(paper);
+  method->densityProgram_ = *std::move(density);
+  return method;
+}
+
+Result<void>
+StrokesMethod::draw(const DrawRequest& request, const gl::Target& picture, FrameTimings& timings) {
+  auto start = Clock::now();
+  const auto depth = tools_.depthImage(request.snapshot, request.camera, request.fineSize());
+  if (!depth) return tl::unexpected(depth.error());
+  tools_.api().finish();
+  timings.visibilityMs = millisecondsSince(start);
+
+  start = Clock::now();
+  const RenderOptions& options = request.options;
+  const LineScene scene{
+      request.snapshot.mesh.mesh(),
+      request.snapshot.mesh.positions(),
+      request.snapshot.model.grid,
+      request.camera,
+      options.viewport};
+  const BuiltStrokes strokes = builder_.build(
+      request.lines,
+      scene,
+      request.style.style,
+      {.widthPx = request.lineWidthPx(),
+       .widthFalloff = options.widthModelUnits ? 1.0F : static_cast<float>(options.widthFalloff),
+       .brush = options.brush,
+       .samples = {.spacingPx = 1.0F, .maxSamples = StrokePass::kMaxSamples}});
+  timings.strokeMs = millisecondsSince(start);
+
+  start = Clock::now();
+  if (auto found = pass_.findVisibility(strokes.samples, (*depth)->depth()); !found) return found;
+  tools_.api().finish();
+  timings.visibilityMs += millisecondsSince(start);
+
+  const gl::Target::Options ink{.size = request.fineSize(), .color = gl::TexelFormat::kRg8};
+  if (auto ok = tools_.fit(ink_, "the ink", ink); !ok) return ok;
+  pass_.draw(
+      strokes.mesh,
+      request.style,
+      {.viewport = options.viewport, .hidden = hiddenMode(options.hidden)},
+      ink_);
+  if (auto ok = findDensity(request); !ok) return ok;
+  layOnPaper(request, picture);
+  return {};
+}
+
+Result<void> StrokesMethod::findDensity(const DrawRequest& request) {
+  const Viewport& viewport = request.options.viewport;
+  const gl::TextureSize cells{
+      (viewport.width + kDensityCell - 1) / kDensityCell,
+      (viewport.height + kDensityCell - 1) / kDensityCell};
+  const gl::Target::Options options{.size = cells, .color = gl::TexelFormat::kR8};
+  if (auto ok = tools_.fit(density_, "the density of lines", options); !ok) return ok;
+  density_.bind();
+  densityProgram_.use();
+  densityProgram_.set("inkMap", 0);
+  densityProgram_.set("cell", kDensityCell * request.supersample);
+  gl::bindTexture(tools_.api(), 0, ink_.color());
+  tools_.drawScreen();
+  return {};
+}
+
+void StrokesMethod::layOnPaper(const DrawRequest& request, const gl::Target& picture) const {
+  const StrokeStyle& style = request.style.style;
+  picture.bind();
+  paperProgram_.use();
+  paperProgram_.set("densityMap", 1);
+  paperProgram_.set("cell", static_cast<float>(kDensityCell));
+  gl::bindTexture(tools_.api(), 1, density_.color());
+  paperProgram_.set("inkMap", 0);
+  paperProgram_.set("supersample", request.supersample);
+  paperProgram_.set("paper", request.paper);
+  paperProgram_.set("visibleColor", style.visible.color);
+  paperProgram_.set("hiddenColor", style.hidden.color);
+  paperProgram_.set("opacities", glm::vec2(style.visible.opacity, style.hidden.opacity));
+  paperProgram_.set("grain", style.grain);
+  paperProgram_.set("pictureHeight", request.options.viewport.height);
+  gl::bindTexture(tools_.api(), 0, ink_.color());
+  tools_.drawScreen();
+}
+
+}  // namespace limn

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/render/drawing_method.h"
+#include "client/render/stroke_pass.h"
+#include "client/stroke/stroke_builder.h"
+
+#include "shared/gl/program.h"
+
+#include <memory>
+
+namespace limn {
+
+/// Stylised lines on paper; textures and brushes stay put on lines from frame to frame.
+class StrokesMethod final : public DrawingMethod {
+ public:
+  /// Errors: kUnavailable.
+  [[nodiscard]] static Result<std::unique_ptr<DrawingMethod>> create(DrawTools& tools);
+
+  [[nodiscard]] Result<void>
+  draw(const DrawRequest& request, const gl::Target& picture, FrameTimings& timings) override;
+
+ private:
+  explicit StrokesMethod(DrawTools& tools) : tools_(tools) {}
+
+  [[nodiscard]] Result<void> findDensity(const DrawRequest& request);
+  void layOnPaper(const DrawRequest& request, const gl::Target& picture) const;
+
+  DrawTools& tools_;
+  StrokeBuilder builder_;
+  StrokePass pass_;
+  gl::Program paperProgram_;
+  gl::Program densityProgram_;
+  gl::Target ink_;      // supersampled, kRg8
+  gl::Target density_;  // kR8, a texel a cell of kDensityCell pixels
+};
+
+}  // namespace limn
