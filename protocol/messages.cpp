@@ -321,6 +321,28 @@ Result<Body> read(const wire::HullSplits& m) {
   return HullSplits{m.channel(), m.side(), m.piece(), view(m.splits())};
 }
 
+Result<Body> read(const wire::GetContour& m) {
+  const GetContour request{
+      m.channel(),
+      m.id(),
+      toGlm(*m.eye()),
+      toGlm(*m.forward()),
+      m.orthographic(),
+      m.silhouette()};
+  if (!finite(request.eye) || !finite(request.forward)) {
+    return bad("GetContour has a number that is not finite");
+  }
+  const double length = glm::length(request.forward);
+  if (!(length > 1e-100 && length < 1e100)) return bad("GetContour.forward has no usable length");
+  if (request.silhouette > Silhouette::MAX) return bad("GetContour.silhouette is unknown");
+  return request;
+}
+
+Result<Body> read(const wire::Contour& m) {
+  if (m.lines()->size() == 0) return bad("Contour.lines is empty");
+  return Contour{m.channel(), m.id(), view(m.lines())};
+}
+
 Result<Body> readBody(const wire::Message& m) {
   switch (m.body_type()) {
     case wire::Body::Hello:
@@ -365,6 +387,10 @@ Result<Body> readBody(const wire::Message& m) {
       return read(*m.body_as_Hull());
     case wire::Body::HullSplits:
       return read(*m.body_as_HullSplits());
+    case wire::Body::GetContour:
+      return read(*m.body_as_GetContour());
+    case wire::Body::Contour:
+      return read(*m.body_as_Contour());
     case wire::Body::NONE:
       break;
   }
@@ -545,6 +571,17 @@ struct Writer {
   auto operator()(const HullSplits& m) {
     return wire::CreateHullSplits(b, m.channel, m.side, m.piece, bytesOf(b, m.splits)).Union();
   }
+
+  auto operator()(const GetContour& m) {
+    const wire::Vec3 eye = fromGlm(m.eye);
+    const wire::Vec3 forward = fromGlm(m.forward);
+    return wire::CreateGetContour(b, m.channel, m.id, &eye, &forward, m.orthographic, m.silhouette)
+        .Union();
+  }
+
+  auto operator()(const Contour& m) {
+    return wire::CreateContour(b, m.channel, m.id, bytesOf(b, m.lines)).Union();
+  }
 };
 
 /// Everything else is a server's.
@@ -552,7 +589,7 @@ template <class T>
 constexpr bool kSentByClient =
     std::is_same_v<T, Hello> || std::is_same_v<T, GetCatalogue> || std::is_same_v<T, Open> ||
     std::is_same_v<T, HaveSet> || std::is_same_v<T, Pose> || std::is_same_v<T, Acknowledge> ||
-    std::is_same_v<T, Drop> || std::is_same_v<T, GetHull>;
+    std::is_same_v<T, Drop> || std::is_same_v<T, GetHull> || std::is_same_v<T, GetContour>;
 
 // The schema's union numbers types in the order of the variant; typeOf() relies on it.
 static_assert(std::variant_size_v<Body> == static_cast<std::size_t>(wire::Body::MAX));
@@ -606,7 +643,8 @@ std::vector<std::uint8_t> encodeMessage(const Body& body) {
 bool isPayload(const Body& body) {
   return std::holds_alternative<Base>(body) || std::holds_alternative<LevelBlock>(body) ||
          std::holds_alternative<Packet>(body) || std::holds_alternative<Seeds>(body) ||
-         std::holds_alternative<Hull>(body) || std::holds_alternative<HullSplits>(body);
+         std::holds_alternative<Hull>(body) || std::holds_alternative<HullSplits>(body) ||
+         std::holds_alternative<Contour>(body);
 }
 
 std::optional<std::uint8_t> channelOf(const Body& body) {

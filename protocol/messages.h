@@ -89,6 +89,15 @@ struct GetHull {
   std::uint32_t held = 0;  // messages of it that the client has: Hull, then pieces
 };
 
+struct GetContour {
+  std::uint8_t channel = 0;
+  std::uint32_t id = 0;
+  glm::dvec3 eye{0.0, 0.0, 3.0};
+  glm::dvec3 forward{0.0, 0.0, -1.0};
+  bool orthographic = false;
+  Silhouette silhouette = Silhouette::kSmooth;
+};
+
 // ---- Server to client
 
 struct Welcome {
@@ -204,6 +213,12 @@ struct HullSplits {
   Bytes splits;
 };
 
+struct Contour {
+  std::uint8_t channel = 0;
+  std::uint32_t id = 0;
+  Bytes lines;  // shared/codec/contour_codec.h
+};
+
 using Body = std::variant<
     Hello,
     GetCatalogue,
@@ -225,7 +240,9 @@ using Body = std::variant<
     Full,
     GetHull,
     Hull,
-    HullSplits>;
+    HullSplits,
+    GetContour,
+    Contour>;
 
 /// Who sent a message: decides which types are legal and how long it may be.
 enum class Sender : std::uint8_t { kClient, kServer };
@@ -253,8 +270,8 @@ struct Message {
 /// of the caller: decodeMessage() of the other side will refuse it.
 [[nodiscard]] std::vector<std::uint8_t> encodeMessage(const Body& body);
 
-/// Base, LevelBlock, Packet, Seeds, Hull and HullSplits: what Acknowledge counts and the send
-/// window bounds.
+/// Base, LevelBlock, Packet, Seeds, Hull, HullSplits and Contour: what Acknowledge counts and the
+/// send window bounds.
 [[nodiscard]] bool isPayload(const Body& body);
 
 /// The channel of a message that has one.

@@ -36,6 +36,7 @@ forbid "server"          '(client|tests)/'  'server and client meet only in prot
 forbid "client"          '(server|tests)/'  'server and client meet only in protocol'
 forbid "client/core client/stroke client/svg" "client/(net|render|pose|apps)/|shared/gl/|$gl|libwebsockets"  'client/core, client/stroke and client/svg are headless'
 forbid "server/session"  'server/(transport|preprocess|apps)/|libwebsockets'  'sessions see only interfaces'
+forbid "server/contour"  '(protocol|server/(store|session|transport|preprocess|apps))/'  'contours are found in shared terms alone'
 forbid "server/store"    'server/(session|transport|preprocess|apps)/'  'the store sits below its users'
 forbid "server/preprocess" 'server/(session|transport|apps)/'  'preparation knows the store alone'
 forbid "server/transport"  'server/(preprocess|apps)/'  'transport carries sessions, it prepares nothing'

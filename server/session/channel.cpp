@@ -273,6 +273,7 @@ bool Channel::lookAhead(ViewCells& cells, std::int64_t nowMs) {
 
 bool Channel::update(ViewCells& cells, std::int64_t nowMs) {
   bool changed = steer(cells, nowMs);
+  changed = updateContour(cells) || changed;
   changed = lookAhead(cells, nowMs) || changed;
   if (satisfied_ && settledSent_ && !prefetching_ && !have_.complete() &&
       options_.prefetchAfterMs >= 0 && pose_->maxSplits == 0 &&
@@ -327,6 +328,7 @@ Urgency Channel::urgency() const {
   if (!model_ || !infoSent_ || awaitingHaveSet_) return Urgency::kNothing;
   if (!baseSent_ || !blocksDone_) return inView_ ? Urgency::kPicture : Urgency::kOutOfView;
   if (hulls_.isPending()) return Urgency::kHull;
+  if (contour_ && contour_->done) return Urgency::kContour;
   if (!pose_ || plan_ == Plan::kNothing) return Urgency::kNothing;
   const bool isOpen = !exhausted_ && !full_;
   if (isOpen && !prefetching_) {
@@ -347,6 +349,8 @@ std::optional<OutMessage> Channel::nextPayload(const Window& window) {
       return nextStart(window);
     case Urgency::kHull:
       return nextHull(window);
+    case Urgency::kContour:
+      return nextContour(window);
     case Urgency::kNeededAt8:
     case Urgency::kNeededAt4:
     case Urgency::kNeededAt2:
@@ -385,6 +389,42 @@ std::optional<OutMessage> Channel::nextHull(const Window& window) {
   if (!window.allows(message.size())) return std::nullopt;
   hulls_.advance();
   return sharedMessage(message);
+}
+
+Result<void> Channel::getContour(const protocol::GetContour& request, ViewCells& cells) {
+  if (!model_ || !infoSent_) {
+    return fail(ErrorCode::kProtocol, "a GetContour came before the model's description");
+  }
+  if (request.id <= contourId_) {
+    return fail(ErrorCode::kProtocol, "the id of a GetContour must be above the last one's");
+  }
+  contourId_ = request.id;
+  contourWanted_ = request;
+  static_cast<void>(updateContour(cells));
+  return {};
+}
+
+/// Begins work on the newest request once the last answer is on its way. True when an answer is
+/// there.
+bool Channel::updateContour(ViewCells& cells) {
+  if (!contour_ && contourWanted_) {
+    contour_ = cells.contour(model_, *contourWanted_);
+    contourWanted_.reset();
+  }
+  if (!contour_ || !contour_->done) return false;
+  contourFailed_ =
+      contour_->message.empty() || contour_->message.size() > limits::kMaxServerMessageBytes;
+  return true;
+}
+
+std::optional<OutMessage> Channel::nextContour(const Window& window) {
+  if (!window.allows(contour_->message.size())) return std::nullopt;
+  OutMessage out;
+  out.payload = true;
+  out.keepAlive = contour_;
+  out.shared = contour_->message;
+  contour_ = nullptr;
+  return out;
 }
 
 std::optional<OutMessage> Channel::nextSeeds(const Window& window) {

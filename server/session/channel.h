@@ -48,6 +48,7 @@ struct OutMessage {
 enum class Urgency : std::uint8_t {
   kPicture,    // the start of a model in view
   kHull,       // what was asked for of the hulls
+  kContour,    // the exact contour that was asked for
   kNeededAt8,  // what the pose needs, by TargetClass
   kNeededAt4,
   kNeededAt2,
@@ -89,6 +90,13 @@ class Channel {
 
   /// Errors: kNotFound (no hull), kProtocol (before ModelInfo, or more held than there is).
   [[nodiscard]] Result<void> getHull(const protocol::GetHull& request);
+
+  /// The newest request counts; one is worked on at a time. Errors: kProtocol (before ModelInfo, or
+  /// an id that does not grow).
+  [[nodiscard]] Result<void> getContour(const protocol::GetContour& request, ViewCells& cells);
+
+  /// Why the channel must be closed: a contour that cannot be sent.
+  [[nodiscard]] bool contourFailed() const { return contourFailed_; }
 
   /// Takes in finished target sets and the passing of time. True when there may be more to send.
   [[nodiscard]] bool update(ViewCells& cells, std::int64_t nowMs);
@@ -138,6 +146,8 @@ class Channel {
   [[nodiscard]] std::optional<OutMessage> nextStart(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextBlock(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextHull(const Window& window);
+  bool updateContour(ViewCells& cells);
+  [[nodiscard]] std::optional<OutMessage> nextContour(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextNeeded(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextAhead(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextSeeds(const Window& window);
@@ -175,6 +185,12 @@ class Channel {
   std::uint32_t nextBlock_ = 0;
   std::size_t seedsSent_ = 0;  // bytes
   HullStream hulls_;
+
+  // Exact contours.
+  std::optional<protocol::GetContour> contourWanted_;  // the newest that is not being worked on
+  std::uint32_t contourId_ = 0;                        // of the last request
+  ViewCells::ContourTicket contour_;                   // being worked on, or to be sent
+  bool contourFailed_ = false;                         // too large for a message, or no mesh
 
   // The pose and what it needs.
   std::optional<protocol::Pose> pose_;

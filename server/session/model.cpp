@@ -167,6 +167,15 @@ const FullMesh* Model::fullMesh() const {
   return full_.get();
 }
 
+const ContourExtractor* Model::contours(SilhouetteKind kind) const {
+  const FullMesh* full = fullMesh();
+  if (full == nullptr) return nullptr;
+  auto& made = contours_[static_cast<std::size_t>(kind)];
+  const std::lock_guard lock(mutex_);
+  if (!made) made = std::make_unique<const ContourExtractor>(full->field(kind));
+  return made.get();
+}
+
 const Dependents& Model::dependents() const {
   const std::lock_guard lock(mutex_);
   if (!dependents_) dependents_ = std::make_unique<const Dependents>(forest_);
@@ -183,7 +192,8 @@ std::size_t Model::bytes() const {
       f.bounds.capacity() * sizeof(SplitBounds) + smoothCones_.capacity() * sizeof(SplitCone);
   const std::lock_guard lock(mutex_);
   return sizeof(*this) + forest + (full_ ? full_->bytes() : 0) +
-         (dependents_ ? dependents_->bytes() : 0);
+         (dependents_ ? dependents_->bytes() : 0) + (contours_[0] ? contours_[0]->bytes() : 0) +
+         (contours_[1] ? contours_[1]->bytes() : 0);
 }
 
 std::vector<std::uint8_t> withChannel(Bytes message, std::uint8_t channel) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "server/contour/contour_extractor.h"
 #include "server/session/dependents.h"
 #include "server/session/full_mesh.h"
 #include "server/session/view.h"
@@ -68,6 +69,8 @@ class Model {
   /// Made on first use: O(faces), and as much memory again as the forest. Null when the full mesh
   /// is no manifold, which preparation never leaves behind.
   [[nodiscard]] const FullMesh* fullMesh() const;
+  /// Silhouettes of the full mesh. Made on first use, 1 µs a face and 20 bytes. Null as fullMesh().
+  [[nodiscard]] const ContourExtractor* contours(SilhouetteKind kind) const;
   /// Made on first use: few clients ever drop anything.
   [[nodiscard]] const Dependents& dependents() const;
   /// Memory held, mapped sections excluded, what is made on first use included from then on.
@@ -92,8 +95,9 @@ class Model {
   protocol::Message seedsMessage_;
   protocol::Bytes seeds_;  // of seedsMessage_
   mutable std::mutex mutex_;
-  mutable std::unique_ptr<const FullMesh> full_;          // guarded by mutex_, constant once made
-  mutable bool fullFailed_ = false;                       // guarded by mutex_
+  mutable std::unique_ptr<const FullMesh> full_;  // guarded by mutex_, constant once made
+  mutable bool fullFailed_ = false;               // guarded by mutex_
+  mutable std::array<std::unique_ptr<const ContourExtractor>, 2> contours_;  // as full_, by kind
   mutable std::unique_ptr<const Dependents> dependents_;  // guarded by mutex_, constant once made
 };
 

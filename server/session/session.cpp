@@ -192,6 +192,14 @@ void Session::handle(const protocol::GetHull& request) {
   }
 }
 
+void Session::handle(const protocol::GetContour& request) {
+  Channel* channel = find(request.channel);
+  if (channel == nullptr) return;  // as for a pose
+  if (const auto taken = channel->getContour(request, shared_.cells); !taken) {
+    refuse(protocol::WireError::kState, request.channel, taken.error().message);
+  }
+}
+
 void Session::update(std::int64_t nowMs) {
   nowMs_ = nowMs;
   if (close_) return;
@@ -205,6 +213,14 @@ void Session::update(std::int64_t nowMs) {
       if (!kept) continue;
     }
     more = channel.update(shared_.cells, nowMs) || more;
+    if (channel.contourFailed()) {
+      refuse(
+          protocol::WireError::kLimit,
+          channel.id(),
+          "the contours of '" + channel.modelName() + "' are too large for a message");
+      more = true;
+      continue;
+    }
     ++i;
   }
   if (more) peer_.wantWrite();

@@ -72,6 +72,7 @@ class Session {
   void handle(const protocol::Acknowledge& acknowledge);
   void handle(const protocol::Drop& drop);
   void handle(const protocol::GetHull& request);
+  void handle(const protocol::GetContour& request);
 
   template <class Other>
   void handle(const Other&) {}  // decodeMessage() lets no server messages through

@@ -7,6 +7,8 @@
 #include "server/session/contour_search.h"
 #include "server/session/exact_set.h"
 
+#include "shared/codec/contour_codec.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -84,6 +86,21 @@ TargetSet searchedSetOf(const Model& model, const protocol::Pose& pose, const Ha
       set.classes[0][i] |= words[i];
   }
   return set;
+}
+
+std::vector<std::uint8_t> contourMessageOf(
+    const Model& model,
+    const protocol::GetContour& request) {
+  const ContourExtractor* contours = model.contours(
+      request.silhouette == protocol::Silhouette::kSmooth ? SilhouetteKind::kSmooth
+                                                          : SilhouetteKind::kEdges);
+  if (contours == nullptr) return {};
+  SilhouetteView view;
+  view.eye = model.forest().grid.fromModel(request.eye);
+  view.forward = glm::normalize(request.forward);
+  view.orthographic = request.orthographic;
+  const std::vector<std::uint8_t> lines = encodeContour(contours->extract(view));
+  return protocol::encodeMessage(protocol::Contour{request.channel, request.id, lines});
 }
 
 }  // namespace
@@ -211,6 +228,25 @@ ViewCells::Ticket ViewCells::pose(
         if (search) --pendingSearches_;
         if (*result) ++computed_;
         if (const auto still = wanted.lock()) still->set = std::move(*result);
+      });
+  return job;
+}
+
+ViewCells::ContourTicket ViewCells::contour(
+    const std::shared_ptr<const Model>& model,
+    const protocol::GetContour& request) {
+  const auto job = std::make_shared<ContourJob>();
+  const std::weak_ptr<ContourJob> wanted = job;
+  const auto result = std::make_shared<std::vector<std::uint8_t>>();
+  tasks_.submit(
+      [model, request, wanted, result] {
+        if (!wanted.expired()) *result = contourMessageOf(*model, request);
+      },
+      [wanted, result] {
+        const auto still = wanted.lock();
+        if (!still) return;
+        still->message = std::move(*result);
+        still->done = true;
       });
   return job;
 }

@@ -15,6 +15,7 @@
 #include <list>
 #include <memory>
 #include <unordered_map>
+#include <vector>
 
 namespace limn {
 
@@ -36,8 +37,8 @@ struct ViewCellOptions {
   std::size_t maxSearches = 4;  // contour searches at a time; beyond, bounds of splits decide
 };
 
-/// Computes target sets on workers: of cells, cached and shared by all sessions, and of single
-/// poses. Loop thread only; what it hands out is constant.
+/// Computes on workers: target sets of cells, cached and shared by all sessions, and of single
+/// poses; exact contours. Loop thread only; what it hands out is constant.
 class ViewCells {
  public:
   /// A target set on its way. `set` appears on the loop thread; dropping the ticket of a single
@@ -62,6 +63,19 @@ class ViewCells {
       const protocol::Pose& pose,
       Need need,
       const HaveSet& have);
+
+  /// A Contour message on its way; as Job.
+  struct ContourJob {
+    bool done = false;
+    std::vector<std::uint8_t> message;  // empty: the model's full mesh cannot be had
+  };
+
+  using ContourTicket = std::shared_ptr<const ContourJob>;
+
+  /// The answer to a request, with its channel and id.
+  [[nodiscard]] ContourTicket contour(
+      const std::shared_ptr<const Model>& model,
+      const protocol::GetContour& request);
 
   [[nodiscard]] std::size_t cachedBytes() const { return bytes_; }
 

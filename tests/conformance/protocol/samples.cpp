@@ -106,6 +106,10 @@ std::vector<Sample> samples() {
   add("model_info_no_hull.bin", Sender::kServer, info);
   add("get_hull.bin", Sender::kClient, GetHull{3, HullSide::kInner, 500, 2});
   add("hull.bin", Sender::kServer, Hull{3, HullSide::kOuter, payload});
+  add("get_contour.bin",
+      Sender::kClient,
+      GetContour{3, 41, {0.25, -1.5, 4.0}, {0.0, 0.5, -1.0}, true, Silhouette::kEdges});
+  add("contour.bin", Sender::kServer, Contour{3, 41, payload});
   add("hull_splits.bin", Sender::kServer, HullSplits{3, HullSide::kInner, 7, payload});
   add("full.bin", Sender::kServer, Full{3, 77, 12'345});
   return all;

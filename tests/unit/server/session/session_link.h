@@ -137,6 +137,10 @@ class Link final : public Peer {
     full_.push_back({full.pose, full.missing});
   }
 
+  void take(std::optional<std::uint8_t>, const protocol::Contour& contour) {
+    contours_.push_back({contour.id, {contour.lines.begin(), contour.lines.end()}});
+  }
+
   void take(std::optional<std::uint8_t>, const protocol::Catalogue& catalogue) {
     catalogueSizes_.push_back(catalogue.models.size());
   }
@@ -172,6 +176,7 @@ class Link final : public Peer {
   std::optional<std::vector<VertexId>> kept_;  // of the last Dropped
   int drops_ = 0;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> full_;
+  std::vector<std::pair<std::uint32_t, std::vector<std::uint8_t>>> contours_;
 };
 
 }  // namespace limn
