@@ -4,7 +4,6 @@
 #include "protocol/limits.h"
 
 #include "shared/codec/id_set.h"
-#include "shared/codec/split_codec.h"
 
 #include <algorithm>
 #include <utility>
@@ -554,13 +553,12 @@ OutMessage Channel::packetOf(const Model::Run& run) {
 }
 
 OutMessage Channel::packetOf(const std::vector<VertexId>& ids) {
-  const std::vector<std::uint8_t> splits =
-      encodeSplits(model_->forest(), model_->splitModel(), ids);
+  const auto splits = model_->packets().packet(ids);
   for (const VertexId v : ids)
     have_.add(v);
-  const double measured = static_cast<double>(splits.size()) / static_cast<double>(ids.size());
+  const double measured = static_cast<double>(splits->size()) / static_cast<double>(ids.size());
   bytesPerSplit_ = std::max(0.25, 0.5 * (bytesPerSplit_ + measured));
-  return packetOf(splits);
+  return packetOf(protocol::Bytes(*splits));
 }
 
 OutMessage Channel::packetOf(protocol::Bytes splits) const {

@@ -182,6 +182,12 @@ const Dependents& Model::dependents() const {
   return *dependents_;
 }
 
+PacketMaker& Model::packets() const {
+  const std::lock_guard lock(mutex_);
+  if (!packets_) packets_ = std::make_unique<PacketMaker>(forest_, splitModel_);
+  return *packets_;
+}
+
 std::size_t Model::bytes() const {
   const SplitForest& f = forest_;
   const std::size_t forest =
@@ -193,7 +199,8 @@ std::size_t Model::bytes() const {
   const std::lock_guard lock(mutex_);
   return sizeof(*this) + forest + (full_ ? full_->bytes() : 0) +
          (dependents_ ? dependents_->bytes() : 0) + (contours_[0] ? contours_[0]->bytes() : 0) +
-         (contours_[1] ? contours_[1]->bytes() : 0);
+         (contours_[1] ? contours_[1]->bytes() : 0) +
+         (packets_ ? packets_->bytes() : 0);
 }
 
 std::vector<std::uint8_t> withChannel(Bytes message, std::uint8_t channel) {

@@ -4,6 +4,7 @@
 #include "server/contour/contour_extractor.h"
 #include "server/session/dependents.h"
 #include "server/session/full_mesh.h"
+#include "server/session/packet_maker.h"
 #include "server/session/view.h"
 #include "server/store/asset_store.h"
 
@@ -73,6 +74,8 @@ class Model {
   [[nodiscard]] const ContourExtractor* contours(SilhouetteKind kind) const;
   /// Made on first use: few clients ever drop anything.
   [[nodiscard]] const Dependents& dependents() const;
+  /// Made on first use: 4 bytes a split, and more for those that are sent.
+  [[nodiscard]] PacketMaker& packets() const;
   /// Memory held, mapped sections excluded, what is made on first use included from then on.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -99,6 +102,7 @@ class Model {
   mutable bool fullFailed_ = false;               // guarded by mutex_
   mutable std::array<std::unique_ptr<const ContourExtractor>, 2> contours_;  // as full_, by kind
   mutable std::unique_ptr<const Dependents> dependents_;  // guarded by mutex_, constant once made
+  mutable std::unique_ptr<PacketMaker> packets_;          // made under mutex_
 };
 
 /// A message with another channel. Messages without one, and those that have it already, come back

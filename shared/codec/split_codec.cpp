@@ -370,6 +370,14 @@ encodeSplits(const SplitForest& forest, const SplitModel& model, std::span<const
   return bytes;
 }
 
+void modelSplit(
+    const SplitForest& forest,
+    const SplitModel& model,
+    VertexId v,
+    SplitSymbols& symbols) {
+  encodeShape(symbols, forest, model.weights, v);
+}
+
 std::vector<std::uint8_t> encodeLevelRun(
     const SplitForest& forest,
     const SplitModel& model,

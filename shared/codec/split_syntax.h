@@ -58,6 +58,9 @@ std::uint32_t codeRawBits(Bins& bins, std::uint32_t count, std::uint32_t value) 
 /// come back below the number.
 template <class Bins>
 std::uint32_t codeNumber(Bins& bins, std::uint32_t context, std::uint32_t value) {
+  // An end that has a way of its own with numbers gets them whole.
+  if constexpr (requires { bins.codeNumber(context, value); })
+    return bins.codeNumber(context, value);
   const auto bits = static_cast<std::uint32_t>(std::bit_width(value + 1)) - 1;
   std::uint32_t length = 0;
   while (length < 31 && bins.code(context + std::min(length, kMagnitudeBins - 1), length < bits))
@@ -73,6 +76,8 @@ std::uint32_t codeNumber(Bins& bins, std::uint32_t context, std::uint32_t value)
 /// A signed number: magnitude, then the sign of what is not zero.
 template <class Bins>
 std::int32_t codeSigned(Bins& bins, std::uint32_t context, std::int32_t value) {
+  if constexpr (requires { bins.codeSigned(context, value); })
+    return bins.codeSigned(context, value);
   const auto magnitude = static_cast<std::int32_t>(
       codeNumber(bins, context, static_cast<std::uint32_t>(std::abs(value))));
   if (magnitude == 0) return 0;
@@ -110,7 +115,11 @@ void codeName(
   // Saturating: a hostile gap must not wrap around into a valid id.
   const std::uint64_t id = static_cast<std::uint64_t>(state.nextId) + gap;
   vertex = static_cast<VertexId>(std::min<std::uint64_t>(id, kNone));
-  const std::uint32_t level = limn::levelOf(levelBegin, vertex);
+  // Ids run upwards.
+  std::uint32_t level = state.level;
+  while (level < levelBegin.size() && levelBegin[level] <= vertex)
+    ++level;
+  level -= level > 0 ? 1 : 0;
   std::uint64_t least = 0;
   std::uint32_t context = kFirstParent;
   if (level == state.level) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The split codec on one core: bits a split in whole levels and in packets of a view, splits
-// decoded and applied a second, faces trained on and encoded a second. One line of JSON a mesh and
-// grid.
+// decoded and applied a second, faces trained on and encoded a second, and what coding packets
+// costs a split: anew (encodeSplits), the first time (PacketEncoder), and from then on. One line of
+// JSON a mesh and grid.
 //   limn-codec-bench BITS MODEL-FILE...
 // Or the universal split model (shared/codec/default_model.h), the mean over meshes and grids:
 //   limn-codec-bench table MODEL-FILE...
@@ -10,6 +11,7 @@
 #include "server/preprocess/import/import.h"
 #include "server/preprocess/repair/repair.h"
 
+#include "shared/codec/packet_encoder.h"
 #include "shared/codec/split_codec.h"
 
 #include <algorithm>
@@ -103,6 +105,16 @@ std::vector<VertexId> splitsOfView(const SplitForest& forest) {
   return ids;
 }
 
+// Codes ids in packets.
+template <class Encode>
+double secondsToEncode(std::span<const VertexId> ids, Runs& packets, const Encode& encode) {
+  packets.clear();
+  const double begin = cpuSeconds();
+  for (; !ids.empty(); ids = ids.subspan(std::min<std::size_t>(kPacketSplits, ids.size())))
+    packets.push_back(encode(ids.first(std::min<std::size_t>(kPacketSplits, ids.size()))));
+  return cpuSeconds() - begin;
+}
+
 std::optional<BuiltForest> prepare(const char* file, int bits) {
   const auto imported = importMesh(file);
   if (!imported) return std::nullopt;
@@ -190,14 +202,19 @@ bool benchMesh(const char* file, int bits) {
     }
   }
   const double encode = cpuSeconds() - begin;
-  Runs packets;
   const std::vector<VertexId> ids = splitsOfView(forest);
-  const std::span<const VertexId> view(ids);
-  for (std::size_t i = 0; i < view.size(); i += kPacketSplits)
-    packets.push_back(encodeSplits(
-        forest,
-        model,
-        view.subspan(i, std::min<std::size_t>(kPacketSplits, view.size() - i))));
+  Runs packets;
+  const double anew = secondsToEncode(ids, packets, [&](std::span<const VertexId> some) {
+    return encodeSplits(forest, model, some);
+  });
+  PacketEncoder encoder(forest, model);
+  Runs same;
+  const auto encodeKnown = [&](std::span<const VertexId> some) { return encoder.encode(some); };
+  const double first = secondsToEncode(ids, same, encodeKnown);
+  if (same != packets) return false;
+  double known = 1e30;
+  for (int round = 0; round < kRounds; ++round)
+    known = std::min(known, secondsToEncode(ids, same, encodeKnown));
   const double splits = forest.splitCount();
   const auto viewed = static_cast<double>(std::max<std::size_t>(ids.size(), 1));
   const double decodeLevels = secondsToDecode(forest, model, levels);
@@ -206,7 +223,8 @@ bool benchMesh(const char* file, int bits) {
   std::printf(
       "{\"mesh\": \"%s\", \"bits\": %d, \"splits\": %u, \"model_bytes\": %zu, "
       "\"level_bits_per_split\": %.3f, \"view_splits\": %zu, \"view_bits_per_split\": %.3f, "
-      "\"encode_faces_per_s\": %.0f, \"decode_splits_per_s\": %.0f, "
+      "\"encode_faces_per_s\": %.0f, \"packet_ns_per_split\": [%.0f, %.0f, %.0f], "
+      "\"decode_splits_per_s\": %.0f, "
       "\"decode_view_splits_per_s\": %.0f}\n",
       std::filesystem::path(file).stem().c_str(),
       bits,
@@ -216,6 +234,9 @@ bool benchMesh(const char* file, int bits) {
       ids.size(),
       8.0 * static_cast<double>(bytesOf(packets)) / viewed,
       static_cast<double>(forest.triangles.size()) / encode,
+      1e9 * anew / viewed,
+      1e9 * first / viewed,
+      1e9 * known / viewed,
       splits / decodeLevels,
       viewed / decodePackets);
   return true;

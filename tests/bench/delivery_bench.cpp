@@ -3,7 +3,11 @@
 // What a pose costs the server's loop thread when its view cell's target set is cached: taking the
 // pose in, and making the packets it leads to, encoding included. One line of JSON:
 //   limn-delivery-bench STORE MODEL
-// split_ns is what the poses that lead to packets cost above those that lead to none, a split.
+// A split's price is what the poses that lead to packets cost above those that lead to none, a
+// split, when
+//   first_split_ns    nobody was ever sent these splits: they are modelled too;
+//   split_ns          they were modelled before, and nobody was sent these packets;
+//   shared_split_ns   other clients were sent the same packets.
 #include "server/session/session.h"
 #include "server/store/directory_store.h"
 #include "tests/bench/one_model.h"
@@ -13,11 +17,14 @@
 #include "shared/codec/varint.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <functional>
+#include <memory>
 #include <numbers>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -53,8 +60,8 @@ struct Cost {
   std::uint32_t splits = 0;
 };
 
-/// One client that circles the model; what each pose cost.
-std::vector<Cost> circle(SessionShared& shared, const Model& model) {
+/// One client that circles the model, starting at an angle in degrees; what each pose cost.
+std::vector<Cost> circle(SessionShared& shared, const Model& model, double start) {
   NoPeer peer;
   Session session(shared, peer, 0);
   std::uint64_t payload = 0;
@@ -72,7 +79,7 @@ std::vector<Cost> circle(SessionShared& shared, const Model& model) {
   std::vector<Cost> costs;
   std::int64_t nowMs = 0;
   for (int i = 0; i < kPoses; ++i) {
-    const double angle = 1.5 * i * std::numbers::pi / 180.0;
+    const double angle = (start + 1.5 * i) * std::numbers::pi / 180.0;
     const auto& info = model.info();
     const glm::dvec3 out = glm::normalize(glm::dvec3(std::sin(angle), 0.36, std::cos(angle)));
     protocol::Pose pose;
@@ -106,55 +113,95 @@ std::vector<Cost> circle(SessionShared& shared, const Model& model) {
   return costs;
 }
 
-int run(int argc, char** argv) {
-  if (argc != 3) return std::fprintf(stderr, "usage: limn-delivery-bench STORE MODEL\n"), 2;
-  const auto store = openDirectoryStore(argv[1]);
-  if (!store) return std::fprintf(stderr, "%s\n", store.error().message.c_str()), 1;
-  std::shared_ptr<const Model> model;
-  const auto names = (*store)->names();
-  for (const NameRecord& record : names ? *names : std::vector<NameRecord>{}) {
-    if (record.name != argv[2]) continue;
-    const auto asset = (*store)->open(record.asset);
-    auto loaded = asset ? Model::load(*asset) : tl::unexpected(asset.error());
-    if (!loaded) return std::fprintf(stderr, "%s\n", loaded.error().message.c_str()), 1;
-    model = *loaded;
+struct Price {
+  std::vector<double> idleUs;  // poses that lead to nothing
+  std::vector<Cost> sending;
+
+  [[nodiscard]] double poseUs() const {
+    std::vector<double> sorted = idleUs;
+    std::ranges::sort(sorted);
+    return sorted.empty() ? 0.0 : sorted[sorted.size() / 2];
   }
-  if (!model) return std::fprintf(stderr, "%s: no such model\n", argv[2]), 1;
-  InlineTasks tasks;
+
+  [[nodiscard]] double splits() const {
+    double sum = 0.0;
+    for (const Cost& cost : sending)
+      sum += cost.splits;
+    return sum;
+  }
+
+  [[nodiscard]] double splitNs() const {
+    double us = 0.0;
+    for (const Cost& cost : sending)
+      us += cost.us - poseUs();
+    return sending.empty() ? 0.0 : 1000.0 * us / splits();
+  }
+};
+
+/// Clients that come one after the other, from different sides, so that each lacks other splits.
+Price circles(const std::shared_ptr<const Model>& model, ViewCells& cells) {
   OneModel models(model);
-  ViewCells cells(tasks, {});
   SessionOptions options;
   options.prefetchAfterMs = -1;
   options.aheadMs = 0;  // so that packets answer poses
   SessionShared shared{models, cells, options};
-  circle(shared, *model);  // fills the cache of cells
-
-  std::vector<double> idle;
-  double splitUs = 0.0;
-  double splits = 0.0;
-  std::vector<Cost> sending;
+  Price price;
   for (int round = 0; round < kRounds; ++round) {
-    const auto costs = circle(shared, *model);
+    const auto costs = circle(shared, *model, 70.3 * round);
     // The first has a set of its own; the start is sent with it.
     for (std::size_t i = 1; i < costs.size(); ++i) {
-      if (costs[i].splits == 0) idle.push_back(costs[i].us);
-      if (costs[i].splits > 0) sending.push_back(costs[i]);
+      if (costs[i].splits == 0) price.idleUs.push_back(costs[i].us);
+      if (costs[i].splits > 0) price.sending.push_back(costs[i]);
     }
   }
-  std::ranges::sort(idle);
-  const double poseUs = idle.empty() ? 0.0 : idle[idle.size() / 2];
-  for (const Cost& cost : sending) {
-    splitUs += cost.us - poseUs;
-    splits += cost.splits;
+  return price;
+}
+
+/// Null, with a line on standard error, when there is no such model.
+std::shared_ptr<const Model> load(const char* folder, std::string_view name) {
+  const auto store = openDirectoryStore(folder);
+  if (!store) return std::fprintf(stderr, "%s\n", store.error().message.c_str()), nullptr;
+  const auto names = (*store)->names();
+  for (const NameRecord& record : names ? *names : std::vector<NameRecord>{}) {
+    if (record.name != name) continue;
+    const auto asset = (*store)->open(record.asset);
+    const auto model = asset ? Model::load(*asset) : tl::unexpected(asset.error());
+    if (model) return *model;
+    return std::fprintf(stderr, "%s\n", model.error().message.c_str()), nullptr;
   }
+  return std::fprintf(stderr, "no model has this name\n"), nullptr;
+}
+
+int run(int argc, char** argv) {
+  if (argc != 3) return std::fprintf(stderr, "usage: limn-delivery-bench STORE MODEL\n"), 2;
+  InlineTasks tasks;
+  ViewCells cells(tasks, {});
+  // In memory three times: cells are shared by all that have one asset, packets are not.
+  std::array<std::shared_ptr<const Model>, 3> models;
+  for (auto& model : models) {
+    model = load(argv[1], argv[2]);
+    if (!model) return 1;
+  }
+  circles(models[0], cells);  // fills the cache of cells
+  const Price first = circles(models[1], cells);
+  const Price shared = circles(models[1], cells);
+  std::vector<VertexId> all;
+  for (VertexId v = models[2]->forest().baseVertexCount(); v < models[2]->forest().vertexCount();
+       ++v)
+    all.push_back(v);
+  static_cast<void>(models[2]->packets().packet(all));
+  const Price usual = circles(models[2], cells);
   std::printf(
-      "{\"pose_us\":%.3f,\"split_ns\":%.3f,\"poses\":%zu,\"poses_that_send\":%zu,\"splits\":%.0f}"
-      "\n",
-      poseUs,
-      splits > 0.0 ? 1000.0 * splitUs / splits : 0.0,
-      idle.size() + sending.size(),
-      sending.size(),
-      splits);
+      "{\"pose_us\":%.3f,\"split_ns\":%.3f,\"first_split_ns\":%.3f,\"shared_split_ns\":%.3f,"
+      "\"poses\":%zu,\"poses_that_send\":%zu,\"splits\":%.0f,\"packets_bytes\":%zu}\n",
+      usual.poseUs(),
+      usual.splitNs(),
+      first.splitNs(),
+      shared.splitNs(),
+      usual.idleUs.size() + usual.sending.size(),
+      usual.sending.size(),
+      usual.splits(),
+      models[2]->packets().bytes());
   return 0;
 }
 

@@ -4,11 +4,13 @@
 #include "server/preprocess/forest/build_forest.h"
 #include "tests/property/legal_order.h"
 
+#include "shared/codec/packet_encoder.h"
 #include "shared/mesh/primitives.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 namespace limn {
 namespace {
@@ -131,6 +133,67 @@ TEST(SplitCodec, PacketsOfAnyLegalOrderDecode) {
     }
     EXPECT_EQ(active.splitsHeld(), forest.splitCount());
     expectEqualSoFar(forest, active);
+  }
+}
+
+// Some splits for the first time, some again, in runs of any size; the last grid is so fine that
+// residuals are wide.
+TEST(SplitCodec, PacketEncoderMakesTheSameBytesAsTheSlowOne) {
+  Rng rng(19);
+  auto meshes = shapes();
+  meshes.push_back(primitives::bumpySphere(3, 3));
+  for (glm::ivec3& p : meshes.back().positions)
+    p *= 37;
+  for (const TriangleMesh& shape : meshes) {
+    const SplitForest forest = forestOf(shape);
+    const SplitModel model = modelOf(forest);
+    PacketEncoder encoder(forest, model);
+    for (int run = 0; run < 60; ++run) {
+      std::vector<VertexId> ids;
+      const std::uint32_t sparsity = 1 + rng.below(20);
+      for (const VertexId v : allSplits(forest)) {
+        if (rng.below(sparsity) == 0) ids.push_back(v);
+      }
+      ASSERT_EQ(encoder.encode(ids), encodeSplits(forest, model, ids));
+    }
+  }
+}
+
+TEST(SplitCodec, SymbolsOfAnySizeArePackedWhole) {
+  for (const std::size_t tokens : {0U, 5U, 126U, 127U, 3000U}) {
+    for (const std::int32_t residual : {0, 511, -512, 512, -513, 1 << 20}) {
+      SplitSymbols symbols;
+      std::vector<std::pair<std::uint32_t, bool>> bits;
+      for (std::size_t i = 0; i < tokens; ++i) {
+        bits.emplace_back(split_syntax::kOpenSide + i % 48, i % 3 == 0);
+        symbols.code(bits.back().first, bits.back().second);
+      }
+      const std::array<std::int32_t, 3> residuals = {residual, -1, residual};
+      const auto contextOf = [](std::uint32_t axis) {
+        const std::uint32_t last = split_syntax::kScales - 1 - axis;
+        return split_syntax::kResidual +
+               (2 * last + (axis == 2 ? 1 : 0)) * split_syntax::kNumberContexts;
+      };
+      for (std::uint32_t axis = 0; axis < 3; ++axis)
+        symbols.codeSigned(contextOf(axis), residuals[axis]);
+      std::vector<std::uint8_t> packed;
+      symbols.pack(packed);
+
+      const SplitModel& model = defaultSplitModel();
+      BinWriter slow(model.probabilities);
+      for (const auto& [context, bit] : bits)
+        slow.code(context, bit);
+      for (std::uint32_t axis = 0; axis < 3; ++axis)
+        split_syntax::codeSigned(slow, contextOf(axis), residuals[axis]);
+      FastBinWriter fast;
+      fast.begin(model.probabilities);
+      SplitSymbols::replay(packed.data(), fast);
+      std::vector<std::uint8_t> expected;
+      std::vector<std::uint8_t> made;
+      slow.finish(expected);
+      fast.finish(made);
+      EXPECT_EQ(made, expected) << tokens << " tokens, residual " << residual;
+    }
   }
 }
 
