@@ -99,7 +99,7 @@ void ImageSeeds::upload(const MeshSnapshot& snapshot) {
   data.reserve(2 * cornerCount_);
   for (const std::uint32_t v : mesh.origins) {
     data.emplace_back(snapshot.mesh.positions()[v] - center_);
-    data.emplace_back(field.planes()[v]);
+    data.emplace_back(field.plane(v));
   }
   api_->bindVertexArray(corners_.id());
   api_->bindBuffer(GL_ARRAY_BUFFER, cornerData_.id());

@@ -4,8 +4,9 @@
 // Deviations: direction is consistent by construction (front to the left), so nothing is flipped
 // afterwards; where several silhouette edges meet, rotating through the front sector pairs them
 // one to one. First every segment is named by what leads into it and what it leads to, each on its
-// own, so that the memory accesses overlap and can be asked for ahead; a hash table then joins the
-// names; only then are lines read off, in arrays that fit a near cache.
+// own, so that the memory accesses overlap and can be asked for ahead. Detectors find neighbours
+// together, so most names are joined with one a few places on; a hash table joins the rest. Only
+// then are lines read off, in arrays that fit a near cache.
 #include "client/stroke/chain.h"
 
 #include "shared/silhouette/trace.h"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -24,6 +26,38 @@ namespace {
 
 std::uint64_t hashOf(std::uint64_t name) {
   return name * 0x9E3779B97F4A7C15ULL;
+}
+
+// The half of a hash that names are compared by at first.
+std::uint32_t keyOf(std::uint64_t name) {
+  return static_cast<std::uint32_t>(hashOf(name) >> 32);
+}
+
+// No segment's.
+constexpr std::uint64_t kNoName = ~std::uint64_t{0};
+
+// A segment whose line has been read off.
+constexpr std::uint32_t kRead = kNone - 1;
+
+// How many places before and after its own a segment's successor is looked for before the table.
+constexpr std::size_t kNear = 8;
+
+// Of the 2 kNear keys from `keys`, those that are `key`.
+std::uint32_t equalKeys(const std::uint32_t* keys, std::uint32_t key) {
+#if defined(__SSE2__)
+  const __m128i wanted = _mm_set1_epi32(static_cast<int>(key));
+  const auto same = [&](std::size_t i) {
+    return _mm_cmpeq_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(keys + i)), wanted);
+  };
+  const __m128i low = _mm_packs_epi32(same(0), same(4));
+  const __m128i high = _mm_packs_epi32(same(8), same(12));
+  return static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(low, high)));
+#else
+  std::uint32_t mask = 0;
+  for (std::size_t i = 0; i < 2 * kNear; ++i)
+    mask |= static_cast<std::uint32_t>(keys[i] == key) << i;
+  return mask;
+#endif
 }
 
 // An edge that the smooth silhouette crosses, by its front and its back vertex.
@@ -53,15 +87,15 @@ constexpr std::array<Way, 8> kWays = [] {
 
 // The values of a face's corners, SilhouetteField::valueAt's to the last bit, and their sides.
 inline std::uint32_t sidesOf(
-    const glm::vec4* planes,
+    const VertexSite* vertices,
     const std::uint32_t* corners,
     const glm::vec4& eye,
     std::array<float, 4>& values) {
 #if defined(__SSE2__)
   const __m128 e = _mm_loadu_ps(&eye.x);
-  __m128 x = _mm_mul_ps(_mm_loadu_ps(&planes[corners[0]].x), e);
-  __m128 y = _mm_mul_ps(_mm_loadu_ps(&planes[corners[1]].x), e);
-  __m128 z = _mm_mul_ps(_mm_loadu_ps(&planes[corners[2]].x), e);
+  __m128 x = _mm_mul_ps(_mm_load_ps(&vertices[corners[0]].plane.x), e);
+  __m128 y = _mm_mul_ps(_mm_load_ps(&vertices[corners[1]].plane.x), e);
+  __m128 z = _mm_mul_ps(_mm_load_ps(&vertices[corners[2]].plane.x), e);
   __m128 w = _mm_setzero_ps();
   _MM_TRANSPOSE4_PS(x, y, z, w);
   const __m128 sums = _mm_add_ps(_mm_add_ps(_mm_add_ps(x, y), z), w);
@@ -70,7 +104,7 @@ inline std::uint32_t sidesOf(
 #else
   std::uint32_t mask = 0;
   for (std::uint32_t k = 0; k < 3; ++k) {
-    values[k] = SilhouetteField::valueAt(planes[corners[k]], eye);
+    values[k] = SilhouetteField::valueAt(vertices[corners[k]].plane, eye);
     mask |= static_cast<std::uint32_t>(values[k] > 0.0F) << k;
   }
   return mask;
@@ -87,103 +121,114 @@ const PolylineSet& SilhouetteChainer::chain(
   if (found.kind == SilhouetteKind::kEdges) {
     const std::span<const HalfEdgeId> edges = found.edges;
     linkEdges(field, edges);
+    lines_.halfEdges.resize(lines_.points.size());
     const auto pointOf = [&](std::uint32_t v) { return glm::vec3(field.positions()[v]); };
     readLines(
-        edges.size(),
-        [&](std::uint32_t i, std::uint32_t) { return pointOf(mesh.origin(edges[i])); },
-        [&](std::uint32_t i) { return pointOf(mesh.target(edges[i])); });
-    for (std::uint32_t& segment : lines_.faces) {
-      lines_.halfEdges[static_cast<std::size_t>(&segment - lines_.faces.data())] =
-          segment == kNone ? kNone : edges[segment];
-      if (segment != kNone) segment = HalfEdgeMesh::face(edges[segment]);
-    }
+        [&](std::uint32_t i, std::uint32_t, std::uint32_t out) {
+          lines_.points[out] = pointOf(mesh.origin(edges[i]));
+          lines_.halfEdges[out] = edges[i];
+          lines_.faces[out] = HalfEdgeMesh::face(edges[i]);
+        },
+        [&](std::uint32_t i, std::uint32_t out) {
+          lines_.points[out] = pointOf(mesh.target(edges[i]));
+          lines_.halfEdges[out] = kNone;
+        });
     return lines_;
   }
   const std::span<const FaceId> faces = found.faces;
   const glm::vec4 eye = field.eyeOf(view);
   linkFaces(field, eye, faces);
+  // What earlier edges left there is the only thing to clear.
+  if (hadEdges_) lines_.halfEdges.clear();
+  lines_.halfEdges.resize(lines_.points.size(), kNone);
+  hadEdges_ = false;
   SmoothWalk walk(field, eye);
+  const FaceId* faceOf = faces.data();
+  const glm::vec4* ends = ends_.data();
+  glm::vec3* points = lines_.points.data();
+  FaceId* facesOut = lines_.faces.data();
   readLines(
-      faces.size(),
-      [&](std::uint32_t i, std::uint32_t previous) {
+      [&](std::uint32_t i, std::uint32_t previous, std::uint32_t out) {
+        facesOut[out] = faceOf[i];
         // A segment starts where the one before ends, to the last bit.
-        if (previous != kNone) return ends_[previous];
-        return walk.start(faces[i]) ? walk.entryPoint() : glm::vec3(0.0F);
+        if (previous != kNone) [[likely]] {
+          points[out] = ends[previous];
+        } else {
+          points[out] = walk.start(faces[i]) ? walk.entryPoint() : glm::vec3(0.0F);
+        }
       },
-      [&](std::uint32_t i) { return ends_[i]; });
-  std::fill(lines_.halfEdges.begin(), lines_.halfEdges.end(), kNone);
-  for (std::uint32_t& segment : lines_.faces) {
-    if (segment != kNone) segment = faces[segment];
-  }
+      [&](std::uint32_t i, std::uint32_t out) { points[out] = ends[i]; });
   return lines_;
 }
 
-// Reads lines off the successors: open ones from their first segments, then loops. Leaves the
-// segments' numbers in lines_.faces. startOf(i, previous): previous is kNone for an open line's
-// first segment. endOf(last): of an open line.
-template <class PointOf, class EndOf>
-void SilhouetteChainer::readLines(std::size_t count, PointOf startOf, EndOf endOf) {
-  const auto openLines =
-      static_cast<std::size_t>(std::count(isContinued_.begin(), isContinued_.end(), 0));
+// Nothing is chained yet; lines_ has room for `count` segments.
+void SilhouetteChainer::begin(std::size_t count) {
+  next_.assign(count, kNone);
+  isContinued_.assign(count + 2 * kNear + 1, 0);
+  openLines_ = count;
+}
+
+// Reads lines off the successors: open ones from their first segments, then loops.
+// put(i, previous, out): segment i starts at point `out`; previous: the one before, kNone for an
+// open line's first. putEnd(i, out): so ends segment i, an open line's last.
+template <class Put, class PutEnd>
+void SilhouetteChainer::readLines(Put put, PutEnd putEnd) {
+  std::uint32_t* next = next_.data();
+  const auto count = static_cast<std::uint32_t>(next_.size());
   lines_.lines.clear();
-  // Never cleared: what is there from the last frame is overwritten.
-  lines_.points.resize(count + openLines);
-  lines_.halfEdges.resize(count + openLines);
-  lines_.faces.resize(count + openLines);
-  isUsed_.assign(count, 0);
   std::uint32_t out = 0;
-  const auto add = [&](const glm::vec3& point, std::uint32_t segment) {
-    lines_.points[out] = point;
-    lines_.faces[out] = segment;
-    ++out;
-  };
-  for (std::uint32_t first = 0; first < count; ++first) {
-    if (isContinued_[first] != 0) continue;
+  for (std::uint32_t first = 0; openLines_ > 0 && first < count; ++first) {
+    if (isContinued_[kNear + first] != 0) continue;
+    --openLines_;
     PolylineSet::Line line;
     line.begin = out;
     std::uint32_t last = kNone;
-    for (std::uint32_t i = first; i != kNone; i = next_[i]) {
-      isUsed_[i] = 1;
-      add(startOf(i, last), i);
+    for (std::uint32_t i = first; i != kNone;) {
+      put(i, last, out++);
       last = i;
+      i = std::exchange(next[i], kRead);
     }
-    add(endOf(last), kNone);
+    lines_.faces[out] = kNone;
+    putEnd(last, out++);
     line.end = out;
     lines_.lines.push_back(line);
   }
   for (std::uint32_t first = 0; first < count; ++first) {
-    if (isUsed_[first] != 0) continue;
+    if (next[first] == kRead) continue;
     PolylineSet::Line line;
     line.closed = true;
-    line.begin = out;
+    line.begin = out++;  // filled when the loop has come round
     std::uint32_t last = first;
-    ++out;  // filled when the loop has come round
-    for (std::uint32_t i = next_[first]; i != first; i = next_[i]) {
-      isUsed_[i] = 1;
-      add(startOf(i, last), i);
+    for (std::uint32_t i = std::exchange(next[first], kRead); i != first;) {
+      put(i, last, out++);
       last = i;
+      i = std::exchange(next[i], kRead);
     }
-    isUsed_[first] = 1;
-    lines_.points[line.begin] = startOf(first, last);
-    lines_.faces[line.begin] = first;
+    put(first, last, line.begin);
     line.end = out;
     lines_.lines.push_back(line);
   }
 }
 
-// Makes the table of the segments by names_.
-void SilhouetteChainer::enterNames(std::size_t count) {
-  const std::size_t size = std::bit_ceil(std::max<std::size_t>(3 * count, 16));
+// One point a segment and one more an open line; what is there from the last frame is overwritten.
+void SilhouetteChainer::makeRoom() {
+  lines_.points.resize(next_.size() + openLines_);
+  lines_.faces.resize(next_.size() + openLines_);
+}
+
+// An empty table for so many names.
+void SilhouetteChainer::clearTable(std::size_t names) {
+  const std::size_t size = std::bit_ceil(std::max<std::size_t>(3 * names, 16));
   tableShift_ = 64 - std::countr_zero(size);
   table_.assign(size, kNone);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    std::size_t at = hashOf(names_[i]) >> tableShift_;
-    while (table_[at] != kNone)
-      at = (at + 1) & (size - 1);
-    table_[at] = i;
-  }
-  next_.assign(count, kNone);
-  isContinued_.assign(count, 0);
+}
+
+void SilhouetteChainer::enter(std::uint64_t name, std::uint32_t segment) {
+  const std::size_t mask = table_.size() - 1;
+  std::size_t at = hashOf(name) >> tableShift_;
+  while (table_[at] != kNone)
+    at = (at + 1) & mask;
+  table_[at] = segment;
 }
 
 void SilhouetteChainer::linkEdges(const SilhouetteField& field, std::span<const HalfEdgeId> edges) {
@@ -198,7 +243,10 @@ void SilhouetteChainer::linkEdges(const SilhouetteField& field, std::span<const 
     nextNames_[i] = mesh.target(edges[i]);
     __builtin_prefetch(&field.positions()[names_[i]]);  // wanted when lines are read off
   }
-  enterNames(count);
+  clearTable(count);
+  for (std::uint32_t i = 0; i < count; ++i)
+    enter(names_[i], i);
+  begin(count);
   const std::size_t mask = table_.size() - 1;
   for (std::uint32_t i = 0; i < count; ++i) {
     // Where one edge alone goes on, and there is no border to stop at, it is the one.
@@ -213,10 +261,13 @@ void SilhouetteChainer::linkEdges(const SilhouetteField& field, std::span<const 
     if (goingOn == 0) continue;
     if (goingOn > 1 || field.hasBorder()) only = successorOf(mesh, edges, edges[i]);
     // Where not every silhouette was found, two may want the same one.
-    if (only == kNone || isContinued_[only] != 0) continue;
+    if (only == kNone || isContinued_[kNear + only] != 0) continue;
     next_[i] = only;
-    isContinued_[only] = 1;
+    isContinued_[kNear + only] = 1;
+    --openLines_;
   }
+  makeRoom();
+  hadEdges_ = true;
 }
 
 // The segment that goes on from silhouette edge h, or kNone: clockwise round the target through
@@ -241,46 +292,107 @@ void SilhouetteChainer::linkFaces(
     const SilhouetteField& field,
     const glm::vec4& eye,
     std::span<const FaceId> faces) {
-  const HalfEdgeMesh& mesh = field.mesh();
-  const glm::vec4* planes = field.planes().data();
-  const glm::ivec3* positions = field.positions().data();
-  const std::uint32_t* origins = mesh.origins.data();
+  nameCrossings(field, eye, faces);
+  begin(faces.size());
+  linkNeighbours();
+  linkRest();
+  makeRoom();
+}
+
+// What leads into each face and what it leads to, and where it is left.
+void SilhouetteChainer::nameCrossings(
+    const SilhouetteField& field,
+    const glm::vec4& eye,
+    std::span<const FaceId> faces) {
+  const VertexSite* vertices = field.vertices().data();
+  const std::uint32_t* origins = field.mesh().origins.data();
   const std::size_t count = faces.size();
-  constexpr std::size_t kFar = 32;   // faces ahead whose corners are asked for
-  constexpr std::size_t kNear = 16;  // faces ahead whose corners' planes and positions are
-  names_.resize(count);
+  constexpr std::size_t kFarAhead = 32;   // faces whose corners are asked for
+  constexpr std::size_t kNearAhead = 12;  // faces whose corners' vertices are
+  // With a margin on both sides.
+  names_.resize(count + 2 * kNear + 1);
+  keys_.resize(count + 2 * kNear + 1);
+  std::fill_n(names_.begin(), kNear, kNoName);
+  std::fill(names_.end() - kNear - 1, names_.end(), kNoName);
   nextNames_.resize(count);
   ends_.resize(count);
+  std::uint64_t* names = names_.data() + kNear;
+  std::uint64_t* nextNames = nextNames_.data();
+  std::uint32_t* keys = keys_.data() + kNear;
+  glm::vec4* ends = ends_.data();
   for (std::size_t i = 0; i < count; ++i) {
-    if (i + kFar < count) __builtin_prefetch(&origins[3 * faces[i + kFar]]);
-    if (i + kNear < count) {
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t v = origins[3 * faces[i + kNear] + k];
-        __builtin_prefetch(&planes[v]);
-        __builtin_prefetch(&positions[v]);
-      }
+    __builtin_prefetch(&origins[3 * faces[std::min(i + kFarAhead, count - 1)]]);
+    if (i + kNearAhead < count) {
+      const std::uint32_t* ahead = &origins[3 * faces[i + kNearAhead]];
+      for (std::uint32_t k = 0; k < 3; ++k)
+        __builtin_prefetch(&vertices[ahead[k]]);
     }
     const std::uint32_t* corners = &origins[3 * faces[i]];
     alignas(16) std::array<float, 4> values;
-    const std::uint32_t mask = sidesOf(planes, corners, eye, values);
-    const Way way = kWays[mask];
-    names_[i] = crossingName(corners[way.enterFront], corners[way.enterBack]);
+    const Way way = kWays[sidesOf(vertices, corners, eye, values)];
+    names[i] = crossingName(corners[way.enterFront], corners[way.enterBack]);
+    keys[i] = keyOf(names[i]);
     const std::uint32_t front = corners[way.leaveFront];
     const std::uint32_t back = corners[way.leaveBack];
-    nextNames_[i] = crossingName(front, back);
-    // SmoothWalk::exitPoint, to the last bit.
+    nextNames[i] = crossingName(front, back);
+    // SmoothWalk::exitPoint, to the last bit: positions are exact.
     const float t = values[way.leaveFront] / (values[way.leaveFront] - values[way.leaveBack]);
-    const glm::ivec3& from = positions[front];
-    ends_[i] = glm::vec3(from) + t * glm::vec3(positions[back] - from);
+    const glm::vec4& from = vertices[front].position;
+    ends[i] = from + t * (vertices[back].position - from);
   }
-  enterNames(count);
-  const std::size_t tableMask = table_.size() - 1;
-  for (std::uint32_t i = 0; i < count; ++i) {
+}
+
+// Joins segments that were found a few places from one another. Which those are cannot be foretold,
+// so it is no branch.
+void SilhouetteChainer::linkNeighbours() {
+  const std::size_t count = nextNames_.size();
+  const std::uint64_t* names = names_.data() + kNear;
+  const std::uint64_t* nextNames = nextNames_.data();
+  const std::uint32_t* keys = keys_.data();
+  std::uint32_t* next = next_.data();
+  std::uint8_t* isContinued = isContinued_.data();
+  unjoined_.resize(count);
+  std::uint32_t* unjoined = unjoined_.data();
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t same = equalKeys(keys + i, keyOf(nextNames[i]));
+    // The first of them, else the last of the margin. Where keys are alike by chance, the table
+    // finds the right one.
+    const auto place = static_cast<std::size_t>(std::countr_zero(same | 1U << (2 * kNear)));
+    const bool isSame = names[i + place - kNear] == nextNames[i];
+    next[i] = isSame ? static_cast<std::uint32_t>(i + place - kNear) : kNone;
+    isContinued[i + place] |= static_cast<std::uint8_t>(isSame);
+    unjoined[left] = static_cast<std::uint32_t>(i);
+    left += isSame ? 0 : 1;
+  }
+  unjoined_.resize(left);
+}
+
+// Joins the others by their names.
+void SilhouetteChainer::linkRest() {
+  const std::size_t count = nextNames_.size();
+  const std::uint64_t* names = names_.data() + kNear;
+  std::uint8_t* isContinued = isContinued_.data() + kNear;
+  // In these two, no branch either.
+  begins_.resize(count + 1);
+  std::size_t begins = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    begins_[begins] = static_cast<std::uint32_t>(i);
+    begins += isContinued[i] == 0 ? 1 : 0;
+  }
+  openLines_ = begins;
+  begins_.resize(begins);
+  clearTable(begins);
+  for (const std::uint32_t i : begins_)
+    enter(names[i], i);
+  const std::size_t mask = table_.size() - 1;
+  for (const std::uint32_t i : unjoined_) {
     for (std::size_t at = hashOf(nextNames_[i]) >> tableShift_; table_[at] != kNone;
-         at = (at + 1) & tableMask) {
-      if (names_[table_[at]] != nextNames_[i]) continue;
+         at = (at + 1) & mask) {
+      if (names[table_[at]] != nextNames_[i]) continue;
       next_[i] = table_[at];
-      isContinued_[table_[at]] = 1;
+      isContinued[table_[at]] = 1;
+      --openLines_;
       break;
     }
   }

@@ -34,18 +34,30 @@ class SilhouetteChainer {
   void linkFaces(const SilhouetteField& field, const glm::vec4& eye, std::span<const FaceId> faces);
   [[nodiscard]] std::uint32_t
   successorOf(const HalfEdgeMesh& mesh, std::span<const HalfEdgeId> edges, HalfEdgeId h) const;
-  void enterNames(std::size_t count);
-  template <class PointOf, class EndOf>
-  void readLines(std::size_t count, PointOf startOf, EndOf endOf);
+  void
+  nameCrossings(const SilhouetteField& field, const glm::vec4& eye, std::span<const FaceId> faces);
+  void linkNeighbours();
+  void linkRest();
+  void begin(std::size_t count);
+  void makeRoom();
+  void clearTable(std::size_t names);
+  void enter(std::uint64_t name, std::uint32_t segment);
+  template <class Put, class PutEnd>
+  void readLines(Put put, PutEnd putEnd);
 
   PolylineSet lines_;
-  // By segment.
+  bool hadEdges_ = false;      // lines_.halfEdges has names of edges
+  std::size_t openLines_ = 0;  // segments that nothing leads to
+  // By segment; smooth: names, keys and isContinued with a margin before and after.
   std::vector<std::uint64_t> names_;       // what leads into it: its first vertex, or the edge
   std::vector<std::uint64_t> nextNames_;   // what it leads to
+  std::vector<std::uint32_t> keys_;        // smooth: of names_
   std::vector<std::uint32_t> next_;        // the one that goes on from it, or kNone
-  std::vector<std::uint8_t> isContinued_;  // whether one leads to it
-  std::vector<std::uint8_t> isUsed_;
-  std::vector<glm::vec3> ends_;  // smooth: where it leaves its face
+  std::vector<std::uint8_t> isContinued_;  // whether one leads to it; always with the margin
+  std::vector<glm::vec4> ends_;            // smooth: where it leaves its face
+  // Smooth: segments that no near one goes on from, and that go on from none near.
+  std::vector<std::uint32_t> unjoined_;
+  std::vector<std::uint32_t> begins_;
   /// Segments by a hash of their names, linear probing; kNone: empty.
   std::vector<std::uint32_t> table_;
   int tableShift_ = 0;

@@ -12,7 +12,7 @@ std::vector<std::uint8_t> facesOfExact(const FullMesh& full, const View& view) {
   const SilhouetteField& field =
       full.field(smooth ? SilhouetteKind::kSmooth : SilhouetteKind::kEdges);
   const glm::vec4 eye = field.eyeOf({view.eye, view.forward, view.orthographic});
-  std::vector<std::uint8_t> front(field.planes().size());
+  std::vector<std::uint8_t> front(field.siteCount());
   for (std::uint32_t site = 0; site < front.size(); ++site)
     front[site] = field.isFront(site, eye);
   std::vector<std::uint8_t> needed(mesh.faceCount(), 0);

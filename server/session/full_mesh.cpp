@@ -31,7 +31,7 @@ std::size_t FullMesh::bytes() const {
   return sizeof(*this) +
          4 * (mesh_.origins.capacity() + mesh_.twins.capacity() + mesh_.outgoing.capacity() +
               childrenBegin_.capacity() + children_.capacity()) +
-         sizeof(glm::vec4) * (edges_.planes().size() + smooth_.planes().size());
+         edges_.memoryBytes() + smooth_.memoryBytes();
 }
 
 }  // namespace limn

@@ -22,10 +22,10 @@ class BruteForceDetector final : public SilhouetteDetector {
 
  private:
   const SilhouetteField* field_;
-  bool useAvx2_;
-  std::array<std::vector<float>, 4> planes_;  // x, y, z, w of every site, padded to eights
+  VectorCode vectorCode_;
+  std::array<std::vector<float>, 4> planes_;  // x, y, z, w of every site, padded to sixteens
   /// What a half-edge is compared with: kEdges, the face across it (its own on a border); kSmooth,
-  /// its origin. Padded to eight faces.
+  /// its origin. Padded to sixteen faces.
   std::vector<std::uint32_t> partners_;
   std::vector<std::uint8_t> front_;  // one bit a site, rewritten by every detection
   SilhouetteResult result_;

@@ -46,7 +46,7 @@ struct alignas(32) LeafOf {
 
   /// Where the plane of local site i is: the order in which packing eight-lane comparisons to bytes
   /// leaves them.
-  [[nodiscard]] static std::size_t slotOf(std::size_t i) {
+  [[nodiscard]] static constexpr std::size_t slotOf(std::size_t i) {
     const std::size_t half = i / 16;
     return i % 16 / 4 * 8 + half * 4 + i % 4;
   }

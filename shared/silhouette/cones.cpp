@@ -166,9 +166,9 @@ void searchLeavesPortable(
     SilhouetteResult& result,
     std::vector<std::uint32_t>* hits) {
   if (result.kind == SilhouetteKind::kEdges) {
-    searchWith<EdgeLeaf>(query, leaves, result, hits, testLeaf<EdgeLeaf>);
+    searchWith<EdgeLeaf>(query, leaves, result, hits, testLeaf<EdgeLeaf>, collect<EdgeLeaf>);
   } else {
-    searchWith<FaceLeaf>(query, leaves, result, hits, testLeaf<FaceLeaf>);
+    searchWith<FaceLeaf>(query, leaves, result, hits, testLeaf<FaceLeaf>, collect<FaceLeaf>);
   }
 }
 
@@ -179,7 +179,7 @@ ConesDetector::ConesDetector(
     const DetectorOptions& options,
     Order order)
     : field_(&field),
-      useAvx2_(options.vectorized && silhouette::hasAvx2()),
+      vectorCode_(silhouette::chooseVectorCode(options.vectorCode)),
       order_(order),
       tree_(silhouette::buildConeTree(field, options.coneTangentScale)) {
   if (order == Order::kLastFrameFirst) wasHit_.assign(tree_.leafCount(), 0);
@@ -193,14 +193,26 @@ const SilhouetteResult& ConesDetector::detect(const SilhouetteView& view) {
   silhouette::Query query{field_, &tree_, field_->eyeOf(view), 0.0F};
   query.slack =
       ConeSlack::kDistance * (glm::length(glm::vec3(query.eye)) + tree_.extent * query.eye.w);
+  auto openLeaves = silhouette::openLeavesPortable;
   auto searchLeaves = silhouette::searchLeavesPortable;
 #if LIMN_SILHOUETTE_AVX2
-  if (useAvx2_) searchLeaves = silhouette::searchLeavesAvx2;
+  if (vectorCode_ != VectorCode::kPortable) openLeaves = silhouette::openLeavesAvx2;
+  if (vectorCode_ == VectorCode::kAvx2) searchLeaves = silhouette::searchLeavesAvx2;
+  if (vectorCode_ == VectorCode::kAvx512) searchLeaves = silhouette::searchLeavesAvx512;
 #endif
   openTree(query);
   if (order_ == Order::kTree) {
-    searchLeaves(query, open_, result_, nullptr);
+    // In pieces, so that the list of open leaves stays in a near cache.
+    constexpr std::size_t kNodes = 128;
+    for (std::size_t begin = 0; begin < frontier_.size(); begin += kNodes) {
+      const std::size_t count = std::min(kNodes, frontier_.size() - begin);
+      open_.clear();
+      openLeaves(query, std::span<const std::uint32_t>(frontier_).subspan(begin, count), open_);
+      searchLeaves(query, open_, result_, nullptr);
+    }
   } else {
+    open_.clear();
+    openLeaves(query, frontier_, open_);
     putLastFrameFirst();
     searchLeaves(query, open_, result_, &hits_);
   }
@@ -208,17 +220,12 @@ const SilhouetteResult& ConesDetector::detect(const SilhouetteView& view) {
   return result_;
 }
 
-// Every leaf that may hold silhouettes.
+// Every node over leaves that may hold silhouettes.
 void ConesDetector::openTree(const silhouette::Query& query) {
   auto openChildren = silhouette::openChildrenPortable;
-  auto openLeaves = silhouette::openLeavesPortable;
 #if LIMN_SILHOUETTE_AVX2
-  if (useAvx2_) {
-    openChildren = silhouette::openChildrenAvx2;
-    openLeaves = silhouette::openLeavesAvx2;
-  }
+  if (vectorCode_ != VectorCode::kPortable) openChildren = silhouette::openChildrenAvx2;
 #endif
-  open_.clear();
   frontier_.clear();
   if (tree_.levels.empty()) return;
   for (std::uint32_t n = 0; n < tree_.levels.back().size(); ++n)
@@ -230,7 +237,6 @@ void ConesDetector::openTree(const silhouette::Query& query) {
     std::swap(frontier_, below_);
   }
   result_.stats.clustersTested += static_cast<std::uint32_t>(8 * frontier_.size());
-  openLeaves(query, frontier_, open_);
 }
 
 // Leaves that held silhouettes in the last frame before the others; no branch to be mispredicted.

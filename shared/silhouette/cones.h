@@ -47,7 +47,7 @@ class ConesDetector final : public SilhouetteDetector {
   void putLastFrameFirst();
 
   const SilhouetteField* field_;
-  bool useAvx2_;
+  VectorCode vectorCode_;
   Order order_;
   silhouette::ConeTree tree_;
   std::vector<std::uint32_t> frontier_;  // entries of one level that may hold silhouettes

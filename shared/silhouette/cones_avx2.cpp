@@ -258,9 +258,9 @@ LIMN_TARGET_AVX2 void searchLeavesAvx2(
     SilhouetteResult& result,
     std::vector<std::uint32_t>* hits) {
   if (result.kind == SilhouetteKind::kEdges) {
-    searchWith<EdgeLeaf>(query, leaves, result, hits, testLeaf<EdgeLeaf>);
+    searchWith<EdgeLeaf>(query, leaves, result, hits, testLeaf<EdgeLeaf>, collect<EdgeLeaf>);
   } else {
-    searchWith<FaceLeaf>(query, leaves, result, hits, testLeaf<FaceLeaf>);
+    searchWith<FaceLeaf>(query, leaves, result, hits, testLeaf<FaceLeaf>, collect<FaceLeaf>);
   }
 }
 

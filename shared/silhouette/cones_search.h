@@ -65,6 +65,11 @@ void searchLeavesAvx2(
     std::span<const OpenLeaf> leaves,
     SilhouetteResult& result,
     std::vector<std::uint32_t>* hits);
+void searchLeavesAvx512(
+    const Query& query,
+    std::span<const OpenLeaf> leaves,
+    SilhouetteResult& result,
+    std::vector<std::uint32_t>* hits);
 #endif
 
 /// The slack's share that is the field's own rounding, 4.01 u (|eye| + extent), and some more: it
@@ -190,16 +195,18 @@ prefetchAhead(const std::vector<Leaf>& all, std::span<const OpenLeaf> leaves, st
     __builtin_prefetch(next + line);
 }
 
-/// Tests leaves with testLeaf(query, open leaf, leaf) → LeafHits. Leaves are tested in batches and
-/// collected after: which of them hold anything cannot be foretold, so it is no branch, and the
-/// names of what they hold are fetched meanwhile.
-template <class Leaf, class Test>
+/// Tests leaves with testLeaf(query, open leaf, leaf) → LeafHits, and collects what they hold with
+/// collectLeaf(leaf, faces, hits, buffer). Leaves are tested in batches and collected after: which
+/// of them hold anything cannot be foretold, so it is no branch, and the names of what they hold
+/// are fetched meanwhile.
+template <class Leaf, class Test, class Collect>
 inline __attribute__((always_inline)) void searchWith(
     const Query& query,
     std::span<const OpenLeaf> leaves,
     SilhouetteResult& result,
     std::vector<std::uint32_t>* hits,
-    Test testLeaf) {
+    Test testLeaf,
+    Collect collectLeaf) {
   struct Hit {
     const Leaf* leaf;
     const FaceId* faces;
@@ -229,7 +236,7 @@ inline __attribute__((always_inline)) void searchWith(
       count += held[count].found.differing != 0 ? 1 : 0;
     }
     for (std::size_t h = 0; h < count; ++h) {
-      collect(*held[h].leaf, held[h].faces, held[h].found, buffer);
+      collectLeaf(*held[h].leaf, held[h].faces, held[h].found, buffer);
       if (hits != nullptr) hits->push_back(held[h].index);
     }
   }

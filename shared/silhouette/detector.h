@@ -94,6 +94,9 @@ struct CoherenceOptions {
   int longestHistory = 8;  // B: frames that a face stays a seed after its silhouette left, at most
 };
 
+/// Vector instructions, the lesser first.
+enum class VectorCode : std::uint8_t { kPortable, kAvx2, kAvx512 };
+
 struct DetectorOptions {
   /// kPrecomputed: seeds, and where the mesh holds their vertices (empty: slot = id). `seeds` must
   /// outlive the detector; `slotOf` is only called while it is being made.
@@ -108,8 +111,8 @@ struct DetectorOptions {
   SeedFaces imageFaces = {};  // kImage
   int imageRings = 1;         // kImage: how far around a face under an image edge to look
 
-  /// Whether to use the machine's vector instructions. The results are the same either way.
-  bool vectorized = true;
+  /// The most of the machine's vector instructions to use. The results are the same.
+  VectorCode vectorCode = VectorCode::kAvx512;
 
   /// kCones, kExact: factor on the tangent of every normal cone. 1 finds everything; below,
   /// silhouettes are lost. For negative controls in tests only.

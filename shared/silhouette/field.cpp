@@ -50,7 +50,7 @@ std::vector<glm::vec4> facePlanes(
   return planes;
 }
 
-std::vector<glm::vec4> vertexPlanes(
+std::vector<VertexSite> vertexSites(
     const HalfEdgeMesh& mesh,
     std::span<const glm::ivec3> positions,
     const glm::ivec3& center) {
@@ -73,13 +73,14 @@ std::vector<glm::vec4> vertexPlanes(
       sums[t[static_cast<int>(k)]] += angleFromCosine(cosine) * unit;
     }
   }
-  std::vector<glm::vec4> planes(mesh.vertexCount(), glm::vec4(0.0F));
+  std::vector<VertexSite> sites(mesh.vertexCount());
   for (std::size_t v = 0; v < sums.size(); ++v) {
     const double length = glm::length(sums[v]);
     // Faces that cancel out (a flat flap) leave no direction: back, like a face without area.
-    if (length > 1e-9) planes[v] = planeThrough(sums[v] / length, positions[v] - center);
+    if (length > 1e-9) sites[v].plane = planeThrough(sums[v] / length, positions[v] - center);
+    sites[v].position = glm::vec4(glm::vec3(positions[v]), 0.0F);
   }
-  return planes;
+  return sites;
 }
 
 }  // namespace
@@ -102,8 +103,11 @@ SilhouetteField::SilhouetteField(
     center_ = low + (high - low) / 2;
   }
   hasBorder_ = std::find(mesh.twins.begin(), mesh.twins.end(), kNone) != mesh.twins.end();
-  planes_ = kind == SilhouetteKind::kEdges ? facePlanes(mesh, positions, center_)
-                                           : vertexPlanes(mesh, positions, center_);
+  if (kind == SilhouetteKind::kEdges) {
+    facePlanes_ = facePlanes(mesh, positions, center_);
+  } else {
+    vertices_ = vertexSites(mesh, positions, center_);
+  }
 }
 
 glm::vec4 SilhouetteField::eyeOf(const SilhouetteView& view) const {

@@ -26,6 +26,12 @@ struct SilhouetteView {
   bool orthographic = false;
 };
 
+/// A vertex of a smooth field: what following its silhouette takes of it, in half a cache line.
+struct alignas(32) VertexSite {
+  glm::vec4 plane{0.0F};
+  glm::vec4 position{0.0F};  // x, y, z: grid units, exact; w: 0
+};
+
 /// A mesh as a silhouette problem: one oriented plane for each face (kEdges) or vertex (kSmooth),
 /// and the one float predicate that every detector and the chaining share. A *site* is a face or a
 /// vertex, by kind; a site is *front* where its plane's value at the eye is > 0.
@@ -50,7 +56,7 @@ class SilhouetteField {
   }
 
   [[nodiscard]] float value(std::uint32_t site, const glm::vec4& eye) const {
-    return valueAt(planes_[site], eye);
+    return valueAt(plane(site), eye);
   }
 
   [[nodiscard]] bool isFront(std::uint32_t site, const glm::vec4& eye) const {
@@ -63,9 +69,23 @@ class SilhouetteField {
 
   [[nodiscard]] std::span<const glm::ivec3> positions() const { return positions_; }
 
-  /// One a site. Faces: twice the area times the unit normal; vertices: the unit angle-weighted
-  /// mean of the normals around. w: offset about center(). A site without area has plane 0: back.
-  [[nodiscard]] std::span<const glm::vec4> planes() const { return planes_; }
+  /// Faces: twice the area times the unit normal; vertices: the unit angle-weighted mean of the
+  /// normals around. w: offset about center(). A site without area has plane 0: back.
+  [[nodiscard]] const glm::vec4& plane(std::uint32_t site) const {
+    return kind_ == SilhouetteKind::kEdges ? facePlanes_[site] : vertices_[site].plane;
+  }
+
+  [[nodiscard]] std::uint32_t siteCount() const {
+    return static_cast<std::uint32_t>(facePlanes_.size() + vertices_.size());
+  }
+
+  /// kSmooth: all sites. kEdges: none.
+  [[nodiscard]] std::span<const VertexSite> vertices() const { return vertices_; }
+
+  /// Memory held, the mesh's and positions' excluded.
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return facePlanes_.size() * sizeof(glm::vec4) + vertices_.size() * sizeof(VertexSite);
+  }
 
   /// Whether any edge of the mesh has one face only.
   [[nodiscard]] bool hasBorder() const { return hasBorder_; }
@@ -79,7 +99,9 @@ class SilhouetteField {
   SilhouetteKind kind_;
   glm::ivec3 center_{0};
   bool hasBorder_ = false;
-  std::vector<glm::vec4> planes_;
+  // By kind, one of the two.
+  std::vector<glm::vec4> facePlanes_;
+  std::vector<VertexSite> vertices_;
 };
 
 }  // namespace limn

@@ -22,9 +22,7 @@ class ItemSource {
 
   [[nodiscard]] std::uint32_t itemBound() const;  // ids are below; not every one is an item
 
-  [[nodiscard]] std::uint32_t siteCount() const {
-    return static_cast<std::uint32_t>(field_->planes().size());
-  }
+  [[nodiscard]] std::uint32_t siteCount() const { return field_->siteCount(); }
 
   [[nodiscard]] bool isItem(std::uint32_t id) const;
 
@@ -45,7 +43,7 @@ class ItemSource {
     return {items_.data() + itemBegin_[site], itemBegin_[site + 1] - itemBegin_[site]};
   }
 
-  [[nodiscard]] const glm::vec4& plane(std::uint32_t site) const { return field_->planes()[site]; }
+  [[nodiscard]] const glm::vec4& plane(std::uint32_t site) const { return field_->plane(site); }
 
   [[nodiscard]] glm::vec3 point(std::uint32_t site) const;   // about the field's centre
   [[nodiscard]] glm::vec3 normal(std::uint32_t site) const;  // unit, or zero

@@ -20,7 +20,7 @@ constexpr float kEndless = std::numeric_limits<float>::max();
 
 // How far a plane is from edge-on, comparable between faces of different size.
 float steepness(const SilhouetteField& field, std::uint32_t site, const glm::vec4& eye) {
-  const float length = glm::length(glm::vec3(field.planes()[site]));
+  const float length = glm::length(glm::vec3(field.plane(site)));
   return length > 0.0F ? std::abs(field.value(site, eye)) / length : 0.0F;
 }
 

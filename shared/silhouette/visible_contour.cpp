@@ -207,7 +207,7 @@ const std::vector<ContourPoint>& VisibleContourFinder::find(
       image_);
 
   const glm::vec4 eye = field.eyeOf(picture.silhouetteView());
-  front_.resize(field.planes().size());
+  front_.resize(field.siteCount());
   for (std::uint32_t site = 0; site < front_.size(); ++site)
     front_[site] = field.isFront(site, eye) ? 1 : 0;
   points_.clear();

@@ -58,8 +58,8 @@ class ClassicDetector {
  public:
   explicit ClassicDetector(const SilhouetteField& field) : field_(&field) {
     const HalfEdgeMesh& mesh = field.mesh();
-    for (const glm::vec4& plane : field.planes())
-      sites_.push_back({plane, 0.0F});
+    for (std::uint32_t s = 0; s < field.siteCount(); ++s)
+      sites_.push_back({field.plane(s), 0.0F});
     for (HalfEdgeId h = 0; h < mesh.origins.size(); ++h) {
       if (mesh.twins[h] != kNone && h < mesh.twins[h]) {
         edges_.push_back({HalfEdgeMesh::face(h), HalfEdgeMesh::face(mesh.twins[h]), h});

@@ -103,7 +103,7 @@ void VisibilityJudge::computeDepth(const SilhouetteField& faces) {
       if (f == kNone) continue;
       const glm::vec3 ray =
           glm::normalize(corner + static_cast<float>(x) * stepX + static_cast<float>(y) * stepY);
-      const glm::vec4& plane = faces.planes()[f];
+      const glm::vec4& plane = faces.plane(f);
       const float slope = glm::dot(glm::vec3(plane), ray);
       const float length = glm::length(glm::vec3(plane));
       float nearest = 1e30F;

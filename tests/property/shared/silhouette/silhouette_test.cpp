@@ -110,20 +110,28 @@ void expectConesEqualBrute(const corpus::Mesh& subject, int viewCount) {
   }
 }
 
+constexpr VectorCode kVectorCodes[] = {
+    VectorCode::kPortable,
+    VectorCode::kAvx2,
+    VectorCode::kAvx512};
+
+DetectorOptions with(VectorCode code) {
+  DetectorOptions options;
+  options.vectorCode = code;
+  return options;
+}
+
 TEST(Silhouette, BruteForceIsTheDefinitionWithAndWithoutVectorCode) {
-  DetectorOptions portable;
-  portable.vectorized = false;
   for (const corpus::Mesh& subject : corpus::generated()) {
     SCOPED_TRACE(subject.name);
     const HalfEdgeMesh mesh = link(subject.mesh);
     for (const SilhouetteKind kind : kKinds) {
       const SilhouetteField field(mesh, subject.mesh.positions, kind);
-      const auto vectorized = makeDetector(DetectorMethod::kBrute, field);
-      const auto scalar = makeDetector(DetectorMethod::kBrute, field, portable);
-      for (const SilhouetteView& view : testing::randomViews(subject.mesh, 20, 1)) {
-        const auto truth = byDefinition(field, view);
-        EXPECT_EQ(sorted(vectorized->detect(view)), truth);
-        EXPECT_EQ(sorted(scalar->detect(view)), truth);
+      for (const VectorCode code : kVectorCodes) {
+        const auto brute = makeDetector(DetectorMethod::kBrute, field, with(code));
+        for (const SilhouetteView& view : testing::randomViews(subject.mesh, 20, 1)) {
+          ASSERT_EQ(sorted(brute->detect(view)), byDefinition(field, view));
+        }
       }
     }
   }
@@ -226,13 +234,11 @@ TEST(Silhouette, ExactFindsEverythingAlongAnOrbitAndAfterJumps) {
   auto views = testing::orbitViews(shape, 60, 0.9);
   const auto jumps = testing::randomViews(shape, 60, 8);
   views.insert(views.end(), jumps.begin(), jumps.end());
-  DetectorOptions portable;
-  portable.vectorized = false;
   for (const SilhouetteKind kind : kKinds) {
     const SilhouetteField field(mesh, shape.positions, kind);
     const auto brute = makeDetector(DetectorMethod::kBrute, field);
     const auto exact = makeDetector(DetectorMethod::kExact, field);
-    const auto slow = makeDetector(DetectorMethod::kExact, field, portable);
+    const auto slow = makeDetector(DetectorMethod::kExact, field, with(VectorCode::kPortable));
     for (const SilhouetteView& view : views) {
       const auto truth = sorted(brute->detect(view));
       ASSERT_EQ(sorted(exact->detect(view)), truth);
@@ -251,17 +257,17 @@ TEST(Silhouette, ConesTakeAtMost24BytesAFaceOfALargeMesh) {
   }
 }
 
-TEST(Silhouette, PortableConesFindTheSame) {
-  DetectorOptions portable;
-  portable.vectorized = false;
+TEST(Silhouette, ConesFindTheSameWithAndWithoutVectorCode) {
   const TriangleMesh shape = primitives::bumpySphere(5, 7);
   const HalfEdgeMesh mesh = link(shape);
   for (const SilhouetteKind kind : kKinds) {
     const SilhouetteField field(mesh, shape.positions, kind);
     const auto brute = makeDetector(DetectorMethod::kBrute, field);
-    const auto cones = makeDetector(DetectorMethod::kCones, field, portable);
-    for (const SilhouetteView& view : testing::randomViews(shape, 50, 5)) {
-      ASSERT_EQ(sorted(cones->detect(view)), sorted(brute->detect(view)));
+    for (const VectorCode code : kVectorCodes) {
+      const auto cones = makeDetector(DetectorMethod::kCones, field, with(code));
+      for (const SilhouetteView& view : testing::randomViews(shape, 50, 5)) {
+        ASSERT_EQ(sorted(cones->detect(view)), sorted(brute->detect(view)));
+      }
     }
   }
 }
