@@ -96,6 +96,9 @@ class Painter {
     options.widthFalloff = options_.widthFalloff;
     options.brush = options_.brush;
     options.hidden = options_.hidden;
+    options.lineColor = options_.lineColor;
+    options.lineFade = options_.lineFade;
+    options.firstLayer = options_.firstLayer;
     return renderer_->render(snapshot, lines, camera, options);
   }
 

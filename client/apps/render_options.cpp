@@ -4,6 +4,7 @@
 #include "client/apps/detector_flags.h"
 #include "client/apps/sweep_options.h"
 #include "client/net/server_url.h"
+#include "client/stroke/style.h"
 
 #include "protocol/limits.h"
 
@@ -51,7 +52,7 @@ std::optional<Number> parseNumber(std::string_view text) {
 struct RawFlags {
   std::string camera, size, until, draw = "strokes", detector = "exact", silhouette = "smooth";
   std::string features = "crease,border,seam", hidden = "style", gl = "egl", path, brush = "none";
-  std::string assets, out, svg, light;
+  std::string assets, out, svg, light, lineColor, firstLayer = "auto";
   std::string widthUnits = "px";
   std::optional<double> fov, width, brushAmplitude, brushFrequency;
   double widthFalloff = 0.0;
@@ -92,8 +93,8 @@ Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& option
   if (const auto mode = parseDrawMode(raw.draw)) {
     options.draw = *mode;
   } else {
-    const bool known = raw.draw == "clip" || raw.draw == "image-edges" ||
-                       raw.draw == "geometry-shader" || raw.draw.starts_with("image-precision:");
+    const bool known =
+        raw.draw == "clip" || raw.draw == "image-edges" || raw.draw == "geometry-shader";
     if (known) return later("--draw " + raw.draw);
     return tl::unexpected(mode.error().within("--draw"));
   }
@@ -129,6 +130,14 @@ Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& option
   const auto hidden = parseHiddenLines(raw.hidden);
   if (!hidden) return tl::unexpected(hidden.error());
   options.hidden = *hidden;
+  if (!raw.lineColor.empty()) {
+    const auto color = parseColor(raw.lineColor);
+    if (!color) return tl::unexpected(color.error().within("--line-color"));
+    options.lineColor = *color;
+  }
+  const auto firstLayer = parseFirstLayer(raw.firstLayer);
+  if (!firstLayer) return tl::unexpected(firstLayer.error().within("--first-layer"));
+  options.firstLayer = *firstLayer;
   const auto gl = parseGlBackend(raw.gl);
   if (!gl) return tl::unexpected(gl.error());
   options.gl = *gl;
@@ -222,7 +231,11 @@ void addRender(
       "base|settled|exact|complete|bytes:N|seconds:S (settled; files: complete)");
   app.add_option("--error-px", o.errorPx, "Error bound of settled, pixels (1)");
 
-  app.add_option("--draw", raw.draw, "strokes|shaded");
+  app.add_option(
+      "--draw",
+      raw.draw,
+      "strokes|shaded|image-precision:wireframe|…:translate|…:z-scale|…:offset|…:fatten|…:"
+      "charcoal");
   app.add_option(
       "--detector",
       raw.detector,
@@ -245,6 +258,16 @@ void addRender(
          "Strokes thin out with distance: 0 not (the default), 1 as the model does")
       ->check(CLI::Range(0.0, 1.0));
   app.add_option("--hidden", raw.hidden, "style|off|as-visible");
+  app.add_option("--line-color", raw.lineColor, "#rrggbb (the style's); not of strokes");
+  app.add_option(
+         "--line-fade",
+         o.lineFade,
+         "Lines pale with distance: 0 not (the default), 1 to nothing; not of strokes")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option(
+      "--first-layer",
+      raw.firstLayer,
+      "auto|winding|numbers: how image-precision tells the front from the rest");
   app.add_option("--gl", raw.gl, "egl|osmesa");
   app.add_option("--assets", raw.assets, "Folder of texture sets");
 

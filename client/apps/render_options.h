@@ -64,6 +64,9 @@ struct RenderCommandOptions {
   double widthFalloff = 0.0;
   Brush brush;
   HiddenLines hidden = HiddenLines::kStyle;
+  std::optional<glm::vec3> lineColor;
+  double lineFade = 0.0;
+  FirstLayer firstLayer = FirstLayer::kAuto;
   GlBackend gl = GlBackend::kEgl;
   std::optional<std::filesystem::path> assets;
 

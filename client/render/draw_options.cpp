@@ -16,6 +16,12 @@ struct ModeName {
 constexpr std::array kModes = {
     ModeName{DrawMode::kStrokes, "strokes", true},
     ModeName{DrawMode::kShaded, "shaded", false},
+    ModeName{DrawMode::kBackWireframe, "image-precision:wireframe", false},
+    ModeName{DrawMode::kBackTranslate, "image-precision:translate", false},
+    ModeName{DrawMode::kBackZScale, "image-precision:z-scale", false},
+    ModeName{DrawMode::kBackOffset, "image-precision:offset", false},
+    ModeName{DrawMode::kBackFatten, "image-precision:fatten", false},
+    ModeName{DrawMode::kBackCharcoal, "image-precision:charcoal", false},
 };
 
 const ModeName& entryOf(DrawMode mode) {
@@ -43,6 +49,16 @@ std::string_view nameOf(DrawMode mode) {
 
 bool needsLines(DrawMode mode) {
   return entryOf(mode).needsLines;
+}
+
+Result<FirstLayer> parseFirstLayer(std::string_view name) {
+  if (name == "auto") return FirstLayer::kAuto;
+  if (name == "winding") return FirstLayer::kWinding;
+  if (name == "numbers") return FirstLayer::kNumbers;
+  return fail(
+      ErrorCode::kInvalidArgument,
+      "the first layer cannot be found by '" + std::string(name) +
+          "': use auto, winding or numbers");
 }
 
 Result<HiddenLines> parseHiddenLines(std::string_view name) {

@@ -18,6 +18,13 @@ namespace limn {
 enum class DrawMode {
   kStrokes,  // stylised lines on paper
   kShaded,   // the mesh, lit; no lines
+  // Image-precision silhouettes: back faces, changed so that they show around the front.
+  kBackWireframe,  // their edges
+  kBackTranslate,  // nearer by a fixed amount
+  kBackZScale,     // nearer by a share of the distance
+  kBackOffset,     // nearer by their slope
+  kBackFatten,     // edges pushed outwards by the line's width
+  kBackCharcoal,   // those and grazing front faces, in greys
 };
 
 /// Errors: kInvalidArgument, naming the choices.
@@ -26,6 +33,16 @@ enum class DrawMode {
 [[nodiscard]] std::string_view nameOf(DrawMode mode);
 /// Whether it draws lines that a detector found; the others find theirs on the GPU.
 [[nodiscard]] bool needsLines(DrawMode mode);
+
+/// How image-precision methods tell the front from the rest: `--first-layer auto|winding|numbers`.
+enum class FirstLayer {
+  kAuto,     // by winding where the model is closed
+  kWinding,  // faces wound towards the eye are the front
+  kNumbers,  // faces that some pixel shows are, however they are wound
+};
+
+/// Errors: kInvalidArgument, naming the choices.
+[[nodiscard]] Result<FirstLayer> parseFirstLayer(std::string_view name);
 
 /// What becomes of the hidden parts of lines: `--hidden style|off|as-visible`.
 enum class HiddenLines { kStyle, kOff, kAsVisible };
@@ -42,6 +59,9 @@ struct RenderOptions {
   double widthFalloff = 0.0;  // of a width in pixels: 0 the same everywhere, 1 as the model
   Brush brush;                // leads strokes off their lines
   HiddenLines hidden = HiddenLines::kStyle;
+  std::optional<glm::vec3> lineColor;  // sRGB 0 … 1; the style's own when unset. Not of strokes
+  double lineFade = 0.0;  // share of their darkness lines lose at the far end. Not of strokes
+  FirstLayer firstLayer = FirstLayer::kAuto;
   std::optional<glm::vec3> paper;  // background, sRGB 0 … 1; the style's own when unset
   int supersample = 2;             // lines are drawn this many times larger and reduced; 1 to 4
   bool keepDepth = false;          // also return the depth image (for segmentVisibility)

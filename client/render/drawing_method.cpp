@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/render/drawing_method.h"
 
+#include "client/render/back_faces_method.h"
 #include "client/render/shaded_method.h"
 #include "client/render/strokes_method.h"
 #include "client/stroke/stroke_builder.h"
@@ -23,6 +24,13 @@ Result<std::unique_ptr<DrawingMethod>> makeDrawingMethod(DrawMode mode, DrawTool
       return StrokesMethod::create(tools);
     case DrawMode::kShaded:
       return ShadedMethod::create(tools);
+    case DrawMode::kBackWireframe:
+    case DrawMode::kBackTranslate:
+    case DrawMode::kBackZScale:
+    case DrawMode::kBackOffset:
+    case DrawMode::kBackFatten:
+    case DrawMode::kBackCharcoal:
+      return BackFacesMethod::create(mode, tools);
   }
   return fail(ErrorCode::kUnsupported, "this way to draw is not in this release");
 }

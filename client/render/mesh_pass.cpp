@@ -67,19 +67,25 @@ bool MeshPass::upload(const MeshSnapshot& snapshot) {
   return true;
 }
 
+glm::mat4 MeshPass::clipFromCenter(
+    const MeshSnapshot& snapshot,
+    const Camera& camera,
+    gl::TextureSize size) const {
+  // In double up to the last step: the float matrix only sees numbers about the model's centre.
+  const Grid& grid = snapshot.model.grid;
+  const glm::dmat4 clipFromWorld =
+      camera.clipFromWorld(static_cast<double>(size.width) / size.height);
+  glm::dmat4 clip = clipFromWorld * grid.step;
+  clip[3] = clipFromWorld * glm::dvec4(grid.toModel(center_), 1.0);
+  return glm::mat4(clip);
+}
+
 void MeshPass::draw(
     const MeshSnapshot& snapshot,
     const Camera& camera,
     const gl::Target& target,
     const gl::Program& program) const {
-  // In double up to the last step: the float matrix only sees numbers about the model's centre.
-  const Grid& grid = snapshot.model.grid;
-  const double aspect = static_cast<double>(target.size().width) / target.size().height;
-  const glm::dmat4 clipFromWorld = camera.clipFromWorld(aspect);
-  glm::dmat4 clipFromCenter = clipFromWorld * grid.step;
-  clipFromCenter[3] = clipFromWorld * glm::dvec4(grid.toModel(center_), 1.0);
-  program.set("clipFromCenter", glm::mat4(clipFromCenter));
-
+  program.set("clipFromCenter", clipFromCenter(snapshot, camera, target.size()));
   api_->enable(GL_DEPTH_TEST);
   api_->depthFunc(GL_LESS);
   api_->depthMask(GL_TRUE);

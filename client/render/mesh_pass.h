@@ -30,6 +30,13 @@ class MeshPass {
       const gl::Target& target,
       const glm::vec3& background) const;
 
+  /// Grid place that the uploaded positions are relative to.
+  [[nodiscard]] const glm::ivec3& center() const { return center_; }
+
+  /// From them to clip space, for a picture of this size.
+  [[nodiscard]] glm::mat4
+  clipFromCenter(const MeshSnapshot& snapshot, const Camera& camera, gl::TextureSize size) const;
+
  private:
   void draw(
       const MeshSnapshot& snapshot,

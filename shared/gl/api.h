@@ -73,6 +73,7 @@
   X(uniform2f, Uniform2f, PFNGLUNIFORM2FPROC)                                           \
   X(uniform2i, Uniform2i, PFNGLUNIFORM2IPROC)                                           \
   X(uniform3f, Uniform3f, PFNGLUNIFORM3FPROC)                                           \
+  X(uniform4f, Uniform4f, PFNGLUNIFORM4FPROC)                                           \
   X(uniformMatrix4fv, UniformMatrix4fv, PFNGLUNIFORMMATRIX4FVPROC)                      \
   X(useProgram, UseProgram, PFNGLUSEPROGRAMPROC)                                        \
   X(vertexAttribIPointer, VertexAttribIPointer, PFNGLVERTEXATTRIBIPOINTERPROC)          \

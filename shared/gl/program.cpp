@@ -14,6 +14,12 @@ std::string oneLine(std::string log) {
   return log.empty() ? std::string("no log") : log;
 }
 
+std::string_view nameOf(GLenum stage) {
+  return stage == GL_VERTEX_SHADER     ? "vertex"
+         : stage == GL_GEOMETRY_SHADER ? "geometry"
+                                       : "fragment";
+}
+
 /// The shader's id; it must be deleted. Errors: kUnavailable.
 Result<GLuint>
 compile(const Api& api, GLenum stage, std::string_view name, std::string_view source) {
@@ -32,8 +38,8 @@ compile(const Api& api, GLenum stage, std::string_view name, std::string_view so
   api.deleteShader(shader);
   return fail(
       ErrorCode::kUnavailable,
-      std::string(stage == GL_VERTEX_SHADER ? "vertex" : "fragment") + " shader of '" +
-          std::string(name) + "' does not compile on this GL: " + oneLine(log));
+      std::string(nameOf(stage)) + " shader of '" + std::string(name) +
+          "' does not compile on this GL: " + oneLine(log));
 }
 
 }  // namespace
@@ -43,22 +49,30 @@ Result<Program> Program::build(
     std::string_view name,
     std::string_view vertexSource,
     std::string_view fragmentSource) {
-  const auto vertex = compile(api, GL_VERTEX_SHADER, name, vertexSource);
-  if (!vertex) return tl::unexpected(vertex.error());
-  const auto fragment = compile(api, GL_FRAGMENT_SHADER, name, fragmentSource);
-  if (!fragment) {
-    api.deleteShader(*vertex);
-    return tl::unexpected(fragment.error());
-  }
+  return build(api, name, {.vertex = vertexSource, .fragment = fragmentSource});
+}
+
+Result<Program> Program::build(const Api& api, std::string_view name, const Sources& sources) {
+  struct Stage {
+    GLenum type;
+    std::string_view source;
+  };
+
+  const Stage stages[] = {
+      {GL_VERTEX_SHADER, sources.vertex},
+      {GL_GEOMETRY_SHADER, sources.geometry},
+      {GL_FRAGMENT_SHADER, sources.fragment}};
   Program program;
   program.api_ = &api;
   program.handle_ = Handle<ProgramTraits>::create(api);
-  api.attachShader(program.handle_.id(), *vertex);
-  api.attachShader(program.handle_.id(), *fragment);
+  for (const Stage& stage : stages) {
+    if (stage.source.empty()) continue;
+    const auto shader = compile(api, stage.type, name, stage.source);
+    if (!shader) return tl::unexpected(shader.error());
+    api.attachShader(program.handle_.id(), *shader);
+    api.deleteShader(*shader);  // it lives on until its program goes
+  }
   api.linkProgram(program.handle_.id());
-  // Attached shaders live on until their program goes.
-  api.deleteShader(*vertex);
-  api.deleteShader(*fragment);
   GLint ok = GL_FALSE;
   api.getProgramiv(program.handle_.id(), GL_LINK_STATUS, &ok);
   if (ok == GL_TRUE) return program;
@@ -93,6 +107,15 @@ void Program::set(const char* uniform, glm::ivec2 value) const {
 
 void Program::set(const char* uniform, glm::vec3 value) const {
   api_->uniform3f(api_->getUniformLocation(handle_.id(), uniform), value.x, value.y, value.z);
+}
+
+void Program::set(const char* uniform, glm::vec4 value) const {
+  api_->uniform4f(
+      api_->getUniformLocation(handle_.id(), uniform),
+      value.x,
+      value.y,
+      value.z,
+      value.w);
 }
 
 void Program::set(const char* uniform, const glm::mat4& value) const {

@@ -185,12 +185,26 @@ TEST(RenderOptions, WhatComesLaterIsSaidSo) {
   for (const char* line :
        {"view --asset a",
         "render --asset a --out x.png --draw clip",
-        "render --asset a --out x.png --draw image-precision:charcoal",
         "render --asset a --out x.png --contours server"}) {
     const auto parsed = parse(line);
     ASSERT_FALSE(parsed) << line;
     EXPECT_EQ(parsed.error().code, ErrorCode::kUnsupported) << line;
     EXPECT_NE(parsed.error().message.find("is not in this release"), std::string::npos) << line;
+  }
+}
+
+TEST(RenderOptions, LinesOfImagePrecisionMethodsHaveAColourAndFade) {
+  const auto parsed = parse(
+      "render --asset a --out x.png --draw image-precision:z-scale --line-color #ff8000 "
+      "--line-fade 0.5 --first-layer numbers");
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  EXPECT_EQ(parsed->render->draw, DrawMode::kBackZScale);
+  EXPECT_EQ(parsed->render->lineColor->x, 1.0F);
+  EXPECT_EQ(parsed->render->lineFade, 0.5);
+  EXPECT_EQ(parsed->render->firstLayer, FirstLayer::kNumbers);
+  for (const char* wrong :
+       {"--line-color red", "--line-fade 2", "--first-layer ids", "--draw image-precision:glow"}) {
+    EXPECT_FALSE(parse(std::string("render --asset a --out x.png ") + wrong)) << wrong;
   }
 }
 
