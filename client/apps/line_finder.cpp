@@ -93,6 +93,10 @@ LineFinder::LineFinder(
       return find(*snapshot_, camera_);
     };
   }
+  const bool hasCones =
+      options.detector == DetectorMethod::kCones || options.detector == DetectorMethod::kExact;
+  if (hasCones && options.cones != nullptr && options.cones->kind() == options.silhouette)
+    detector.cones = options.cones->conesOf(snapshot_, field_);
   detector_ = makeDetector(options.detector, field_, detector);
   const std::vector<std::uint8_t> features =
       withoutNoise(snapshot_->mesh.mesh(), snapshot_->mesh.positions(), snapshot_->mesh.features());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "client/apps/render_options.h"
+#include "client/core/cone_keeper.h"
 #include "client/core/snapshot.h"
 #include "client/stroke/chain.h"
 #include "client/stroke/crease_contours.h"
@@ -30,6 +31,8 @@ struct LineFinderOptions {
   std::optional<glm::dvec3> light = std::nullopt;
   DetectorOptions parameters = {};  // of the detector; seeds are the snapshot's
   ImageSeedFinder imageSeeds = {};  // of the image detector
+  /// Of the cones and exact detectors, for a mesh that is being refined; null: cones are made.
+  ConeKeeper* cones = nullptr;
 };
 
 /// All lines of one snapshot from one view after another. Threads: one at a time.

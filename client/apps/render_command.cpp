@@ -200,6 +200,7 @@ class Drawing {
   Drawing(const RenderCommandOptions& options, std::string modelName, SessionOutcome outcome)
       : options_(options),
         modelName_(std::move(modelName)),
+        cones_(options.silhouette),
         painter_(options),
         outcome_(std::move(outcome)) {}
 
@@ -282,6 +283,7 @@ class Drawing {
   Result<LineFinder::Lines> findLines(const Camera& camera) {
     if (!finder_) {
       LineFinderOptions lines = lineOptions(options_);
+      lines.cones = &cones_;
       if (options_.detector == DetectorMethod::kImage) {
         if (auto ok = makeImageSeeds(); !ok) return tl::unexpected(ok.error());
         lines.imageSeeds = [this](const MeshSnapshot& snapshot, const Camera& from) {
@@ -345,6 +347,7 @@ class Drawing {
 
   const RenderCommandOptions& options_;
   const std::string modelName_;
+  ConeKeeper cones_;
   std::optional<ImageSeeds> imageSeeds_;
   Painter painter_;
   SessionOutcome outcome_;

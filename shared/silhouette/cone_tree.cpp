@@ -128,8 +128,9 @@ class TreeBuilder {
           leaves.back()));
       if constexpr (Leaf::kSitesPerItem == 2) {
         const std::size_t begin = tree.siteFaces.size();
-        tree.siteFaces.insert(tree.siteFaces.end(), packer.sites().begin(), packer.sites().end());
-        tree.siteFaces.resize(begin + kLeafSites, packer.sites()[0]);
+        for (const std::uint32_t site : packer.sites())
+          tree.siteFaces.push_back(source_->siteIdOf(site));
+        tree.siteFaces.resize(begin + kLeafSites, tree.siteFaces[begin]);
       }
     }
     planeBegin_.push_back(planes_.size());
@@ -177,15 +178,20 @@ class TreeBuilder {
 };
 
 template <class Leaf>
-std::vector<Leaf> buildLeaves(const SilhouetteField& field, double tangentScale, ConeTree& tree) {
-  const ItemSource source(field);
-  Clusters clusters = clusterItems(source, kLeafSites, Leaf::kMaxItems);
+std::vector<Leaf> buildLeaves(const ItemSource& source, double tangentScale, ConeTree& tree) {
+  const Clusters clusters = clusterItems(source, kLeafSites, Leaf::kMaxItems);
   TreeBuilder<Leaf> builder(source, clusters, tangentScale);
+  if constexpr (Leaf::kSitesPerItem == 2) {
+    tree.siteFaces.reserve(kLeafSites * clusters.clusters.size());
+  } else {
+    tree.faces.reserve(clusters.items.size());
+    for (const std::uint32_t item : clusters.items)
+      tree.faces.push_back(source.idOf(item));
+  }
   auto leaves = builder.packLeaves(tree);
   tree.levels = builder.fitLevels();
   // |d|/|n| is the distance of a plane through a vertex, so at most the radius but for rounding.
   tree.extent = 1.001F * source.extent();
-  if (field.kind() == SilhouetteKind::kSmooth) tree.faces = std::move(clusters.items);
   return leaves;
 }
 
@@ -200,15 +206,17 @@ std::size_t ConeTree::memoryBytes() const {
   return bytes;
 }
 
-ConeTree buildConeTree(const SilhouetteField& field, double tangentScale) {
+ConeTree
+buildConeTree(const SilhouetteField& field, std::vector<std::uint32_t> items, double tangentScale) {
   ConeTree tree;
+  tree.origin = field.center();
+  tree.items = items.size();
+  const ItemSource source(field, std::move(items));
   if (field.kind() == SilhouetteKind::kEdges) {
-    tree.edgeLeaves = buildLeaves<EdgeLeaf>(field, tangentScale, tree);
+    tree.edgeLeaves = buildLeaves<EdgeLeaf>(source, tangentScale, tree);
   } else {
-    tree.faceLeaves = buildLeaves<FaceLeaf>(field, tangentScale, tree);
+    tree.faceLeaves = buildLeaves<FaceLeaf>(source, tangentScale, tree);
   }
-  tree.siteFaces.shrink_to_fit();
-  tree.faces.shrink_to_fit();
   return tree;
 }
 

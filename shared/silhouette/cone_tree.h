@@ -74,7 +74,9 @@ struct ConeTree {
   std::vector<FaceId> siteFaces;  // kEdges: the face of site i of leaf l at [kLeafSites · l + i]
   std::vector<FaceId> faces;      // kSmooth: the face of each item
   std::vector<std::vector<Node>> levels;
-  float extent = 0.0F;  // bound of |d|/|n| over the planes and of cone centres
+  glm::ivec3 origin{0};  // grid units: cones and planes are about it (the field's centre then)
+  float extent = 0.0F;   // bound of |d|/|n| over the planes and of cone centres
+  std::size_t items = 0;
 
   [[nodiscard]] std::size_t leafCount() const { return edgeLeaves.size() + faceLeaves.size(); }
 
@@ -86,7 +88,8 @@ struct ConeTree {
   [[nodiscard]] std::size_t memoryBytes() const;
 };
 
-/// Clusters the edges or faces of a field and bounds the clusters. Cost: O(items log items).
-[[nodiscard]] ConeTree buildConeTree(const SilhouetteField& field, double tangentScale);
+/// Clusters items of a field (ItemSource) and bounds the clusters. Cost: O(items log items).
+[[nodiscard]] ConeTree
+buildConeTree(const SilhouetteField& field, std::vector<std::uint32_t> items, double tangentScale);
 
 }  // namespace limn::silhouette

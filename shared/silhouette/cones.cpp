@@ -121,7 +121,7 @@ std::uint32_t settleDoubts(
   for (std::uint32_t i = 0; i < leaf.siteCount; ++i) {
     if ((doubtful >> i & 1U) == 0) continue;
     const std::uint32_t site = siteOf(query, leafIndex, leaf, i);
-    front |= static_cast<std::uint32_t>(query.field->isFront(site, query.eye)) << i;
+    front |= static_cast<std::uint32_t>(query.field->isFront(site, query.fieldEye)) << i;
   }
   // Unused slots are like site 0.
   const std::uint32_t used =
@@ -181,8 +181,12 @@ ConesDetector::ConesDetector(
     : field_(&field),
       vectorCode_(silhouette::chooseVectorCode(options.vectorCode)),
       order_(order),
-      tree_(silhouette::buildConeTree(field, options.coneTangentScale)) {
-  if (order == Order::kLastFrameFirst) wasHit_.assign(tree_.leafCount(), 0);
+      forest_(options.cones) {
+  if (forest_ == nullptr || forest_->kind() != field.kind())
+    forest_ = std::make_shared<const ConeForest>(field, options.coneTangentScale);
+  if (order != Order::kLastFrameFirst) return;
+  for (const silhouette::ConeTree& tree : forest_->trees())
+    lastFrames_.push_back({{}, std::vector<std::uint8_t>(tree.leafCount(), 0)});
 }
 
 const SilhouetteResult& ConesDetector::detect(const SilhouetteView& view) {
@@ -190,9 +194,24 @@ const SilhouetteResult& ConesDetector::detect(const SilhouetteView& view) {
   result_.edges.clear();
   result_.faces.clear();
   result_.stats = {};
-  silhouette::Query query{field_, &tree_, field_->eyeOf(view), 0.0F};
-  query.slack =
-      ConeSlack::kDistance * (glm::length(glm::vec3(query.eye)) + tree_.extent * query.eye.w);
+  for (std::size_t t = 0; t < forest_->trees().size(); ++t)
+    searchTree(view, t);
+  result_.stats.segments = static_cast<std::uint32_t>(result_.edges.size() + result_.faces.size());
+  return result_;
+}
+
+void ConesDetector::searchTree(const SilhouetteView& view, std::size_t index) {
+  const silhouette::ConeTree& tree = forest_->trees()[index];
+  silhouette::Query query{field_, &tree, {}, field_->eyeOf(view), 0.0F};
+  query.eye = query.fieldEye;
+  // The field may have got another centre since.
+  const glm::dvec3 shift(field_->center() - tree.origin);
+  if (!view.orthographic)
+    query.eye = glm::vec4(glm::vec3(view.eye - glm::dvec3(tree.origin)), 1.0F);
+  const float reach =
+      std::max(glm::length(glm::vec3(query.eye)), glm::length(glm::vec3(query.fieldEye))) +
+      (tree.extent + static_cast<float>(glm::length(shift))) * query.eye.w;
+  query.slack = ConeSlack::kDistance * reach;
   auto openLeaves = silhouette::openLeavesPortable;
   auto searchLeaves = silhouette::searchLeavesPortable;
 #if LIMN_SILHOUETTE_AVX2
@@ -213,24 +232,23 @@ const SilhouetteResult& ConesDetector::detect(const SilhouetteView& view) {
   } else {
     open_.clear();
     openLeaves(query, frontier_, open_);
-    putLastFrameFirst();
-    searchLeaves(query, open_, result_, &hits_);
+    putFirst(lastFrames_[index]);
+    searchLeaves(query, open_, result_, &lastFrames_[index].hits);
   }
-  result_.stats.segments = static_cast<std::uint32_t>(result_.edges.size() + result_.faces.size());
-  return result_;
 }
 
 // Every node over leaves that may hold silhouettes.
 void ConesDetector::openTree(const silhouette::Query& query) {
+  const std::vector<std::vector<silhouette::Node>>& levels = query.tree->levels;
   auto openChildren = silhouette::openChildrenPortable;
 #if LIMN_SILHOUETTE_AVX2
   if (vectorCode_ != VectorCode::kPortable) openChildren = silhouette::openChildrenAvx2;
 #endif
   frontier_.clear();
-  if (tree_.levels.empty()) return;
-  for (std::uint32_t n = 0; n < tree_.levels.back().size(); ++n)
+  if (levels.empty()) return;
+  for (std::uint32_t n = 0; n < levels.back().size(); ++n)
     frontier_.push_back(n);
-  for (std::size_t l = tree_.levels.size() - 1; l > 0; --l) {
+  for (std::size_t l = levels.size() - 1; l > 0; --l) {
     result_.stats.clustersTested += static_cast<std::uint32_t>(8 * frontier_.size());
     below_.clear();
     openChildren(query, l, frontier_, below_);
@@ -240,29 +258,31 @@ void ConesDetector::openTree(const silhouette::Query& query) {
 }
 
 // Leaves that held silhouettes in the last frame before the others; no branch to be mispredicted.
-void ConesDetector::putLastFrameFirst() {
-  for (const std::uint32_t leaf : hits_)
-    wasHit_[leaf] = 1;
+void ConesDetector::putFirst(LastFrame& last) {
+  for (const std::uint32_t leaf : last.hits)
+    last.wasHit[leaf] = 1;
   others_.resize(open_.size());
   std::size_t first = 0;
   std::size_t other = 0;
   for (const silhouette::OpenLeaf open : open_) {
-    const std::size_t isFirst = wasHit_[open.leaf];
+    const std::size_t isFirst = last.wasHit[open.leaf];
     others_[other] = open;
     open_[first] = open;
     first += isFirst;
     other += 1 - isFirst;
   }
   std::copy_n(others_.begin(), other, open_.begin() + static_cast<std::ptrdiff_t>(first));
-  for (const std::uint32_t leaf : hits_)
-    wasHit_[leaf] = 0;
-  hits_.clear();
+  for (const std::uint32_t leaf : last.hits)
+    last.wasHit[leaf] = 0;
+  last.hits.clear();
 }
 
 std::size_t ConesDetector::memoryBytes() const {
-  return tree_.memoryBytes() + wasHit_.size() +
-         (open_.capacity() + others_.capacity()) * sizeof(silhouette::OpenLeaf) +
-         (frontier_.capacity() + below_.capacity() + hits_.capacity() + result_.edges.capacity() +
+  std::size_t bytes = forest_->memoryBytes();
+  for (const LastFrame& last : lastFrames_)
+    bytes += last.wasHit.size() + last.hits.capacity() * sizeof(std::uint32_t);
+  return bytes + (open_.capacity() + others_.capacity()) * sizeof(silhouette::OpenLeaf) +
+         (frontier_.capacity() + below_.capacity() + result_.edges.capacity() +
           result_.faces.capacity()) *
              sizeof(std::uint32_t);
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "shared/silhouette/cone_tree.h"
+#include "shared/silhouette/cone_forest.h"
 #include "shared/silhouette/detector.h"
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace limn {
@@ -43,20 +44,25 @@ class ConesDetector final : public SilhouetteDetector {
   [[nodiscard]] std::size_t memoryBytes() const override;
 
  private:
+  // Of one tree: which leaves held silhouettes in the last frame.
+  struct LastFrame {
+    std::vector<std::uint32_t> hits;
+    std::vector<std::uint8_t> wasHit;  // by leaf; all 0 between frames
+  };
+
+  void searchTree(const SilhouetteView& view, std::size_t index);
   void openTree(const silhouette::Query& query);
-  void putLastFrameFirst();
+  void putFirst(LastFrame& last);
 
   const SilhouetteField* field_;
   VectorCode vectorCode_;
   Order order_;
-  silhouette::ConeTree tree_;
+  std::shared_ptr<const ConeForest> forest_;
   std::vector<std::uint32_t> frontier_;  // entries of one level that may hold silhouettes
   std::vector<std::uint32_t> below_;
   std::vector<silhouette::OpenLeaf> open_;
-  // kLastFrameFirst
-  std::vector<std::uint32_t> hits_;   // leaves that held silhouettes in the last frame
-  std::vector<std::uint8_t> wasHit_;  // by leaf
   std::vector<silhouette::OpenLeaf> others_;
+  std::vector<LastFrame> lastFrames_;  // kLastFrameFirst: by tree
   SilhouetteResult result_;
 };
 

@@ -19,7 +19,8 @@ namespace limn::silhouette {
 struct Query {
   const SilhouetteField* field = nullptr;
   const ConeTree* tree = nullptr;
-  glm::vec4 eye;
+  glm::vec4 eye;       // about the tree's origin
+  glm::vec4 fieldEye;  // the field's
   float slack = 0.0F;
 };
 

@@ -15,6 +15,8 @@
 
 namespace limn {
 
+class ConeForest;
+
 /// How silhouettes are looked for. kBrute, kCones and kExact find all of them, and the same
 /// ones; the others, those of [Mohr13], find what their seeds lead to.
 enum class DetectorMethod : std::uint8_t {
@@ -113,6 +115,9 @@ struct DetectorOptions {
 
   /// The most of the machine's vector instructions to use. The results are the same.
   VectorCode vectorCode = VectorCode::kAvx512;
+
+  /// kCones, kExact: clusters of the field's mesh that are there already; null: they are made.
+  std::shared_ptr<const ConeForest> cones = nullptr;
 
   /// kCones, kExact: factor on the tangent of every normal cone. 1 finds everything; below,
   /// silhouettes are lost. For negative controls in tests only.

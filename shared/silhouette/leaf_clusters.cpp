@@ -11,51 +11,68 @@
 
 namespace limn::silhouette {
 
-ItemSource::ItemSource(const SilhouetteField& field) : field_(&field) {
-  itemBegin_.assign(siteCount() + 1, 0);
-  const auto forEachItem = [&](auto visit) {
-    for (std::uint32_t id = 0; id < itemBound(); ++id) {
-      if (!isItem(id)) continue;
-      const std::array<std::uint32_t, 3> sites = sitesOf(id);
-      for (std::uint32_t k = 0; k < sitesPerItem(); ++k)
-        visit(sites[k], id);
+ItemSource::ItemSource(const SilhouetteField& field, std::vector<std::uint32_t> items)
+    : field_(&field),
+      ids_(std::move(items)) {
+  const HalfEdgeMesh& mesh = field.mesh();
+  sites_.reserve(ids_.size());
+  for (const std::uint32_t id : ids_) {
+    if (field.kind() == SilhouetteKind::kEdges) {
+      const FaceId f = HalfEdgeMesh::face(id);
+      sites_.push_back({f, HalfEdgeMesh::face(mesh.twins[id]), f});
+    } else {
+      sites_.push_back({mesh.origins[3 * id], mesh.origins[3 * id + 1], mesh.origins[3 * id + 2]});
     }
-  };
-  forEachItem([&](std::uint32_t site, std::uint32_t) { ++itemBegin_[site + 1]; });
+  }
+  // From the field's names of sites to numbers.
+  std::vector<std::uint32_t> numbers(field.siteCount(), kNone);
+  for (const auto& sites : sites_) {
+    for (const std::uint32_t site : sites)
+      numbers[site] = 0;
+  }
+  for (std::uint32_t site = 0; site < numbers.size(); ++site) {
+    if (numbers[site] == kNone) continue;
+    numbers[site] = siteCount();
+    siteIds_.push_back(site);
+  }
+  itemBegin_.assign(siteCount() + 1, 0);
+  for (auto& sites : sites_) {
+    for (std::uint32_t& site : sites)
+      site = numbers[site];
+    for (std::uint32_t k = 0; k < sitesPerItem(); ++k)
+      ++itemBegin_[sites[k] + 1];
+  }
   for (std::uint32_t s = 0; s < siteCount(); ++s)
     itemBegin_[s + 1] += itemBegin_[s];
   items_.resize(itemBegin_.back());
   std::vector<std::uint32_t> next(itemBegin_.begin(), itemBegin_.end() - 1);
-  forEachItem([&](std::uint32_t site, std::uint32_t id) { items_[next[site]++] = id; });
-}
-
-std::uint32_t ItemSource::itemBound() const {
-  const HalfEdgeMesh& mesh = field_->mesh();
-  return field_->kind() == SilhouetteKind::kEdges ? static_cast<std::uint32_t>(mesh.origins.size())
-                                                  : mesh.faceCount();
-}
-
-bool ItemSource::isItem(std::uint32_t id) const {
-  if (field_->kind() == SilhouetteKind::kSmooth) return true;
-  const HalfEdgeId twin = field_->mesh().twins[id];
-  return twin != kNone && id < twin;
-}
-
-std::array<std::uint32_t, 3> ItemSource::sitesOf(std::uint32_t item) const {
-  const HalfEdgeMesh& mesh = field_->mesh();
-  if (field_->kind() == SilhouetteKind::kEdges) {
-    const FaceId f = HalfEdgeMesh::face(item);
-    return {f, HalfEdgeMesh::face(mesh.twins[item]), f};
+  for (std::uint32_t item = 0; item < itemCount(); ++item) {
+    for (std::uint32_t k = 0; k < sitesPerItem(); ++k)
+      items_[next[sites_[item][k]]++] = item;
   }
-  return {mesh.origins[3 * item], mesh.origins[3 * item + 1], mesh.origins[3 * item + 2]};
+}
+
+std::vector<std::uint32_t> ItemSource::allOf(const SilhouetteField& field) {
+  const HalfEdgeMesh& mesh = field.mesh();
+  std::vector<std::uint32_t> items;
+  if (field.kind() == SilhouetteKind::kSmooth) {
+    items.resize(mesh.faceCount());
+    std::iota(items.begin(), items.end(), 0U);
+    return items;
+  }
+  items.reserve(mesh.origins.size() / 2);
+  for (HalfEdgeId h = 0; h < mesh.origins.size(); ++h) {
+    if (mesh.twins[h] != kNone && h < mesh.twins[h]) items.push_back(h);
+  }
+  return items;
 }
 
 glm::vec3 ItemSource::point(std::uint32_t site) const {
   const auto at = [&](std::uint32_t v) {
     return glm::vec3(field_->positions()[v] - field_->center());
   };
-  if (field_->kind() == SilhouetteKind::kSmooth) return at(site);
-  const glm::uvec3& t = field_->mesh().triangles()[site];
+  if (field_->kind() == SilhouetteKind::kSmooth) return at(siteIds_[site]);
+  const glm::uvec3& t = field_->mesh().triangles()[siteIds_[site]];
   return (at(t.x) + at(t.y) + at(t.z)) / 3.0F;
 }
 
@@ -67,13 +84,17 @@ glm::vec3 ItemSource::normal(std::uint32_t site) const {
 
 float ItemSource::meanFaceArea() const {
   const auto positions = field_->positions();
+  const auto triangles = field_->mesh().triangles();
+  const std::vector<std::uint32_t>& faces =
+      field_->kind() == SilhouetteKind::kEdges ? siteIds_ : ids_;
   double twice = 0.0;
-  for (const glm::uvec3& t : field_->mesh().triangles()) {
+  for (const FaceId f : faces) {
+    const glm::uvec3& t = triangles[f];
     const glm::dvec3 u(positions[t.y] - positions[t.x]);
     const glm::dvec3 v(positions[t.z] - positions[t.x]);
     twice += glm::length(glm::cross(u, v));
   }
-  const double mean = 0.5 * twice / std::max(field_->mesh().faceCount(), 1U);
+  const double mean = 0.5 * twice / std::max<double>(static_cast<double>(faces.size()), 1.0);
   return static_cast<float>(std::max(mean, 1e-3));
 }
 
@@ -110,9 +131,9 @@ class Grower {
       : source_(&source),
         maxSites_(maxSites),
         maxItems_(maxItems),
-        isAssigned_(source.itemBound(), 0),
-        itemStamps_(source.itemBound(), 0),
-        missing_(source.itemBound(), 0),
+        isAssigned_(source.itemCount(), 0),
+        itemStamps_(source.itemCount(), 0),
+        missing_(source.itemCount(), 0),
         siteStamps_(source.siteCount(), 0),
         candidateStamps_(source.siteCount(), 0),
         candidatePlaces_(source.siteCount(), 0),
@@ -126,11 +147,10 @@ class Grower {
   }
 
   Clusters grow() {
-    for (std::uint32_t id = 0; id < source_->itemBound(); ++id) {
-      if (!source_->isItem(id)) continue;
+    for (std::uint32_t item = 0; item < source_->itemCount(); ++item) {
       // Next to earlier clusters first, so that no slivers are left between.
-      while (!isAssigned_[id])
-        growFrom(nextSeed(id));
+      while (!isAssigned_[item])
+        growFrom(nextSeed(item));
     }
     return std::move(result_);
   }

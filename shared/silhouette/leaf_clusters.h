@@ -13,46 +13,62 @@
 /// Internal to shared/silhouette: how the cones detector groups edges or faces into leaves.
 namespace limn::silhouette {
 
-/// The items of a field and the sites whose planes decide about each. kEdges: an item is the
-/// smaller half-edge of an edge with two faces, its sites are those faces. kSmooth: an item is a
-/// face, its sites are its vertices.
+/// Some items of a field and the sites whose planes decide about each, both numbered from 0.
+/// kEdges: an item is the smaller half-edge of an edge with two faces, its sites are those faces.
+/// kSmooth: an item is a face, its sites are its vertices.
 class ItemSource {
  public:
-  explicit ItemSource(const SilhouetteField& field);
+  /// items: ids, ascending. `field` must outlive it. Cost: O(sites of the field + items).
+  ItemSource(const SilhouetteField& field, std::vector<std::uint32_t> items);
 
-  [[nodiscard]] std::uint32_t itemBound() const;  // ids are below; not every one is an item
+  /// Every item of a field.
+  [[nodiscard]] static std::vector<std::uint32_t> allOf(const SilhouetteField& field);
 
-  [[nodiscard]] std::uint32_t siteCount() const { return field_->siteCount(); }
+  [[nodiscard]] std::uint32_t itemCount() const { return static_cast<std::uint32_t>(ids_.size()); }
 
-  [[nodiscard]] bool isItem(std::uint32_t id) const;
+  [[nodiscard]] std::uint32_t siteCount() const {
+    return static_cast<std::uint32_t>(siteIds_.size());
+  }
+
+  [[nodiscard]] std::uint32_t idOf(std::uint32_t item) const { return ids_[item]; }
+
+  /// The field's name of a site.
+  [[nodiscard]] std::uint32_t siteIdOf(std::uint32_t site) const { return siteIds_[site]; }
 
   [[nodiscard]] std::uint32_t sitesPerItem() const {
     return field_->kind() == SilhouetteKind::kEdges ? 2 : 3;
   }
 
   /// An edge's third site repeats its first.
-  [[nodiscard]] std::array<std::uint32_t, 3> sitesOf(std::uint32_t item) const;
+  [[nodiscard]] const std::array<std::uint32_t, 3>& sitesOf(std::uint32_t item) const {
+    return sites_[item];
+  }
 
   /// kEdges: which of its face's three the half-edge is, and the same of its twin; kSmooth: zeros.
   [[nodiscard]] std::array<std::uint32_t, 3> placesOf(std::uint32_t item) const {
     if (field_->kind() == SilhouetteKind::kSmooth) return {};
-    return {item % 3, field_->mesh().twins[item] % 3, 0};
+    return {ids_[item] % 3, field_->mesh().twins[ids_[item]] % 3, 0};
   }
 
   [[nodiscard]] std::span<const std::uint32_t> itemsOf(std::uint32_t site) const {
     return {items_.data() + itemBegin_[site], itemBegin_[site + 1] - itemBegin_[site]};
   }
 
-  [[nodiscard]] const glm::vec4& plane(std::uint32_t site) const { return field_->plane(site); }
+  [[nodiscard]] const glm::vec4& plane(std::uint32_t site) const {
+    return field_->plane(siteIds_[site]);
+  }
 
   [[nodiscard]] glm::vec3 point(std::uint32_t site) const;   // about the field's centre
   [[nodiscard]] glm::vec3 normal(std::uint32_t site) const;  // unit, or zero
-  /// Largest distance of a vertex from the field's centre.
+  /// Largest distance of a vertex of the field from its centre.
   [[nodiscard]] float extent() const;
-  [[nodiscard]] float meanFaceArea() const;  // grid units²; > 0
+  [[nodiscard]] float meanFaceArea() const;  // of sites or items; grid units²; > 0
 
  private:
   const SilhouetteField* field_;
+  std::vector<std::uint32_t> ids_;      // by item
+  std::vector<std::uint32_t> siteIds_;  // by site, ascending
+  std::vector<std::array<std::uint32_t, 3>> sites_;
   std::vector<std::uint32_t> itemBegin_;  // by site, into items_
   std::vector<std::uint32_t> items_;
 };

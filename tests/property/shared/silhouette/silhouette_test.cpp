@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/chain.h"
-#include "server/preprocess/forest/build_forest.h"
 #include "tests/corpus/corpus.h"
-#include "tests/property/legal_order.h"
 #include "tests/property/shared/silhouette/views.h"
 
 #include "shared/mesh/primitives.h"
-#include "shared/progressive/active_mesh.h"
 #include "shared/silhouette/detector.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace limn {
 namespace {
@@ -165,50 +161,6 @@ TEST(Silhouette, ConesEqualBruteForceOnGeneratedShapes) {
 TEST(Silhouette, ConesEqualBruteForceOnNearlyDegenerateShapes) {
   for (const corpus::Mesh& subject : nearlyDegenerate())
     expectConesEqualBrute(subject, 200);
-}
-
-TEST(Silhouette, ConesEqualBruteForceOnRealModels) {
-  if (!corpus::modelsFolder()) GTEST_SKIP() << corpus::kNoModels;
-  // Many views of small models, a few of large ones; LIMN_ALL_VIEWS=1 asks for 500 of every model.
-  const bool everything = std::getenv("LIMN_ALL_VIEWS") != nullptr;
-  for (const auto& file :
-       corpus::modelFiles(everything ? corpus::Size::kAll : corpus::Size::kMedium)) {
-    const corpus::Mesh* subject = corpus::model(file.filename().string());
-    if (subject == nullptr) continue;
-    expectConesEqualBrute(
-        *subject,
-        everything                               ? 500
-        : subject->mesh.triangles.size() < 30000 ? 100
-                                                 : 6);
-  }
-}
-
-TEST(Silhouette, ConesEqualBruteForceAtEveryCut) {
-  std::vector<const corpus::Mesh*> subjects = corpus::allGood(corpus::Size::kSmall);
-  for (const corpus::Mesh* subject : subjects) {
-    const auto built = buildForest(subject->mesh, {.baseFaces = 200, .threads = 1});
-    ASSERT_TRUE(built) << subject->name;
-    const SplitForest& forest = built->forest;
-    TriangleMesh base{forest.grid, {}, forest.baseTriangles};
-    base.positions.assign(
-        forest.positions.begin(),
-        forest.positions.begin() + forest.baseVertexCount());
-    auto active = ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
-    ASSERT_TRUE(active) << subject->name;
-    Rng rng(3);
-    const std::vector<VertexId> order = randomLegalOrder(forest, rng, OrderKind::kDepthFirst);
-    std::size_t applied = 0;
-    for (const double share : {0.0, 0.1, 0.5, 0.9}) {
-      const auto end = static_cast<std::size_t>(share * static_cast<double>(order.size()));
-      for (; applied < end; ++applied)
-        ASSERT_TRUE(active->apply(forest.split(order[applied])));
-      corpus::Mesh cut{subject->name, {forest.grid, {}, {}}, subject->closed};
-      cut.mesh.positions.assign(active->positions().begin(), active->positions().end());
-      const auto triangles = active->mesh().triangles();
-      cut.mesh.triangles.assign(triangles.begin(), triangles.end());
-      expectConesEqualBrute(cut, 50);
-    }
-  }
 }
 
 TEST(Silhouette, ConesEqualBruteForceFromInsideAndOnTheSurface) {
