@@ -30,6 +30,14 @@ const char* kindName(LineKind kind) {
       return "border";
     case LineKind::kSeam:
       return "seam";
+    case LineKind::kSuggestive:
+      return "suggestive";
+    case LineKind::kRidge:
+      return "ridge";
+    case LineKind::kValley:
+      return "valley";
+    case LineKind::kIntersection:
+      return "intersection";
   }
   return "silhouette";
 }

@@ -23,19 +23,14 @@ bool isChosen(LineKind kind, const FeatureChoice& choice) {
       return choice.border;
     case LineKind::kSeam:
       return choice.seam;
+    default:
+      return false;
   }
-  return false;
-}
-
-void appendPoint(const PolylineSet& from, std::uint32_t point, PolylineSet& to) {
-  to.points.push_back(from.points[point]);
-  to.halfEdges.push_back(from.halfEdges[point]);
-  to.faces.push_back(from.faces[point]);
 }
 
 /// Appends the segments of a line for which isWanted(point) holds, as one line or in pieces.
 template <class IsWanted>
-void appendLine(
+void appendWanted(
     const PolylineSet& from,
     const PolylineSet::Line& line,
     IsWanted isWanted,
@@ -45,15 +40,11 @@ void appendLine(
   std::uint32_t first = 0;
   while (first < segments && isWanted(line.begin + first))
     ++first;
-  PolylineSet::Line piece = line;
-  piece.begin = static_cast<std::uint32_t>(to.points.size());
   if (first == segments) {
-    for (std::uint32_t i = line.begin; i < line.end; ++i)
-      appendPoint(from, i, to);
-    piece.end = static_cast<std::uint32_t>(to.points.size());
-    to.lines.push_back(piece);
+    appendLine(from, line, to);
     return;
   }
+  PolylineSet::Line piece = line;
   // A loop is read from a segment that is left out, so that no piece is split at its start.
   if (!line.closed) first = 0;
   piece.closed = false;
@@ -106,12 +97,14 @@ LineFinder::LineFinder(
   const PolylineSet all =
       chainFeatures(snapshot_->mesh.mesh(), snapshot_->mesh.positions(), features);
   for (const PolylineSet::Line& line : all.lines) {
-    if (!isChosen(line.kind, options.features)) continue;
-    appendLine(
-        all,
-        line,
-        [](std::uint32_t) { return true; },
-        features_);
+    if (isChosen(line.kind, options.features)) appendLine(all, line, features_);
+  }
+  if (options.features.surface.any()) {
+    surfaceLines_.emplace(
+        snapshot_->mesh.mesh(),
+        snapshot_->mesh.positions(),
+        features,
+        options.features.surface);
   }
   isContour_.assign(snapshot_->mesh.mesh().origins.size(), 0);
 }
@@ -133,6 +126,7 @@ LineFinder::Lines LineFinder::find(const Camera& camera) {
   for (PolylineSet::Line& line : result.lines.lines)
     line.onSurface = light_.has_value();
   appendFeatures(silhouettes, result.lines);
+  if (surfaceLines_) surfaceLines_->append(view, result.lines);
   return result;
 }
 
@@ -161,7 +155,7 @@ void LineFinder::appendFeatures(const PolylineSet& silhouettes, PolylineSet& lin
     const auto isWanted = [&](std::uint32_t point) {
       return isContour_[features_.halfEdges[point]] == 0;
     };
-    appendLine(features_, line, isWanted, lines);
+    appendWanted(features_, line, isWanted, lines);
   }
   markContours(0);
 }

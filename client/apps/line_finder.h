@@ -7,6 +7,7 @@
 #include "client/stroke/chain.h"
 #include "client/stroke/crease_contours.h"
 #include "client/stroke/polyline.h"
+#include "client/stroke/surface_lines.h"
 
 #include "shared/core/camera.h"
 #include "shared/silhouette/detector.h"
@@ -45,7 +46,7 @@ class LineFinder {
     DetectionStats stats;
     std::uint32_t loops = 0;  // closed silhouette lines
     double detectMs = 0.0;
-    double chainMs = 0.0;  // silhouettes; features are chained once a mesh
+    double chainMs = 0.0;  // silhouettes; features are found and chained once a mesh
   };
 
   [[nodiscard]] Lines find(const Camera& camera);
@@ -67,7 +68,8 @@ class LineFinder {
   SilhouetteChainer chainer_;
   std::optional<CreaseContours> creaseContours_;  // where creases are drawn
   PolylineSet features_;
-  std::vector<std::uint8_t> isContour_;  // by half-edge; all 0 between calls
+  std::optional<SurfaceLines> surfaceLines_;  // if any are asked for
+  std::vector<std::uint8_t> isContour_;       // by half-edge; all 0 between calls
 };
 
 }  // namespace limn

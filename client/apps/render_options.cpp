@@ -17,6 +17,7 @@
 #include <memory>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 namespace limn {
 namespace {
@@ -242,7 +243,10 @@ void addRender(
       "exact|brute|cones|random|coherence-a|coherence-b|image|precomputed");
   app.add_option("--silhouette", raw.silhouette, "smooth|edges");
   app.add_option("--light", raw.light, "X,Y,Z: silhouettes as a light there sees them");
-  app.add_option("--features", raw.features, "crease,border,seam or none");
+  app.add_option(
+      "--features",
+      raw.features,
+      "crease,border,seam; suggestive,ridge,valley,intersection; or none");
   app.add_option("--style", o.style, "Texture set (pencil)");
   app.add_option("--brush", raw.brush, "none|charcoal|lazy|hand|rough");
   app.add_option("--brush-amplitude", raw.brushAmplitude, "How far it leads off the line, pixels")
@@ -436,27 +440,34 @@ Result<glm::dvec3> parseLight(const std::string& text) {
 }
 
 Result<FeatureChoice> parseFeatures(const std::string& text) {
-  FeatureChoice choice{false, false, false};
+  FeatureChoice choice{false, false, false, {}};
   if (text == "none") return choice;
+  const std::array<std::pair<const char*, bool*>, 7> names = {{
+      {"crease", &choice.crease},
+      {"border", &choice.border},
+      {"seam", &choice.seam},
+      {"suggestive", &choice.surface.suggestive},
+      {"ridge", &choice.surface.ridge},
+      {"valley", &choice.surface.valley},
+      {"intersection", &choice.surface.intersection},
+  }};
   std::istringstream list(text);
   std::string item;
-  int items = 0;
+  bool isKnown = false;
   while (std::getline(list, item, ',')) {
-    ++items;
-    if (item == "crease") {
-      choice.crease = true;
-    } else if (item == "border") {
-      choice.border = true;
-    } else if (item == "seam") {
-      choice.seam = true;
-    } else {
-      items = 0;
-      break;
+    isKnown = false;
+    for (const auto& [name, flag] : names) {
+      if (item != name) continue;
+      *flag = true;
+      isKnown = true;
     }
+    if (!isKnown) break;
   }
-  if (items == 0) {
+  if (!isKnown) {
     return wrong(
-        "--features " + text + " is unknown: write crease,border,seam, some of them, or none");
+        "--features " + text +
+        " is unknown: write some of crease,border,seam,suggestive,ridge,valley,intersection, or "
+        "none");
   }
   return choice;
 }

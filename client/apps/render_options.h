@@ -5,6 +5,7 @@
 #include "client/pose/orbit.h"
 #include "client/render/gl_context.h"
 #include "client/render/renderer.h"
+#include "client/stroke/surface_lines.h"
 
 #include "shared/core/camera.h"
 #include "shared/core/result.h"
@@ -36,6 +37,7 @@ struct FeatureChoice {
   bool crease = true;
   bool border = true;
   bool seam = true;
+  SurfaceLineChoice surface;
 };
 
 struct RenderCommandOptions {
@@ -106,7 +108,7 @@ struct CommandLine {
 [[nodiscard]] Result<Viewport> parseSize(const std::string& text);
 /// Parses `X,Y,Z`.
 [[nodiscard]] Result<glm::dvec3> parseLight(const std::string& text);
-/// Parses `crease,border,seam` in any choice, or `none`.
+/// Parses any choice of `crease,border,seam,suggestive,ridge,valley,intersection`, or `none`.
 [[nodiscard]] Result<FeatureChoice> parseFeatures(const std::string& text);
 /// The path of frame `index`: `%04d` (or `%d`) replaced by it. Without one: `pattern` itself.
 [[nodiscard]] std::string framePath(const std::string& pattern, std::uint32_t index);

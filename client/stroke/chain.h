@@ -69,10 +69,11 @@ struct FeatureChainOptions {
 };
 
 /// Chains the edges that are lines from every view: creases and seams (bits of `features`, one byte
-/// a half-edge, EdgeFeature; empty: none) and borders (kind kBorder, the face to their left). At a
-/// vertex each line goes on along the straightest partner of its kind; lines break at corners and
-/// where an odd one is left over. Each edge is used once.
-/// Depends on the mesh alone: do it once a mesh state. Cost: O(half-edges).
+/// a half-edge, EdgeFeature; empty: none) and borders (kind kBorder, the face to their left); of
+/// cracks (shared/mesh/cracks.h) the sharp ones, which are creases. At a vertex each line goes on
+/// along the straightest partner of its kind; lines break at corners and where an odd one is left
+/// over. Each edge is used once. Depends on the mesh alone: do it once a mesh state. Cost:
+/// O(half-edges).
 [[nodiscard]] PolylineSet chainFeatures(
     const HalfEdgeMesh& mesh,
     std::span<const glm::ivec3> positions,

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/chain.h"
 
+#include "shared/mesh/cracks.h"
 #include "shared/progressive/vertex_split.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <unordered_map>
 
 namespace limn {
 namespace {
@@ -18,16 +20,64 @@ struct FeatureGraph {
 };
 
 bool isOfKind(
+    LineKind kind,
     const HalfEdgeMesh& mesh,
     std::span<const std::uint8_t> features,
-    HalfEdgeId h,
-    LineKind kind) {
-  const bool isBorder = mesh.twins[h] == kNone;
-  if (kind == LineKind::kBorder) return isBorder;
-  if (isBorder || features.empty() || h > mesh.twins[h]) return false;
+    std::span<const Crack> cracks,
+    HalfEdgeId h) {
+  if (mesh.twins[h] == kNone) {
+    return (kind == LineKind::kBorder && cracks[h] == Crack::kNot) ||
+           (kind == LineKind::kCrease && cracks[h] == Crack::kCrease);
+  }
+  if (features.empty() || h > mesh.twins[h]) return false;
   const bool isCrease = (features[h] & kFeatureCrease) != 0;
-  return kind == LineKind::kCrease ? isCrease : !isCrease && (features[h] & kFeatureSeam) != 0;
+  if (kind == LineKind::kCrease) return isCrease;
+  return kind == LineKind::kSeam && !isCrease && (features[h] & kFeatureSeam) != 0;
 }
+
+/// Vertices that lie within this of one another where parts are cracked are one place, grid units.
+constexpr double kSamePlace = 2.0;
+
+/// Where lines may go on: each border vertex's first one as near as a crack is wide.
+class Places {
+ public:
+  Places(const HalfEdgeMesh& mesh, std::span<const glm::ivec3> positions)
+      : mesh_(mesh),
+        positions_(positions) {}
+
+  [[nodiscard]] std::uint32_t placeOf(std::uint32_t vertex) {
+    if (!mesh_.isBorderVertex(vertex)) return vertex;
+    const auto [known, isNew] = places_.try_emplace(vertex, vertex);
+    if (isNew) known->second = find(vertex);
+    return known->second;
+  }
+
+ private:
+  static constexpr int kCell = 4;
+
+  static std::uint64_t nameOf(const glm::ivec3& cell) {
+    const glm::i64vec3 c(cell);
+    return static_cast<std::uint64_t>(
+        (c.x & 0x1FFFFF) << 42 | (c.y & 0x1FFFFF) << 21 | (c.z & 0x1FFFFF));
+  }
+
+  std::uint32_t find(std::uint32_t vertex) {
+    const glm::ivec3 cell(glm::floor(glm::dvec3(positions_[vertex]) / double{kCell}));
+    for (int k = 0; k < 27; ++k) {
+      const auto there = firsts_.find(nameOf(cell + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1));
+      if (there == firsts_.end()) continue;
+      const glm::dvec3 apart(positions_[there->second] - positions_[vertex]);
+      if (glm::dot(apart, apart) <= kSamePlace * kSamePlace) return there->second;
+    }
+    firsts_.try_emplace(nameOf(cell), vertex);
+    return vertex;
+  }
+
+  const HalfEdgeMesh& mesh_;
+  std::span<const glm::ivec3> positions_;
+  std::unordered_map<std::uint32_t, std::uint32_t> places_;
+  std::unordered_map<std::uint64_t, std::uint32_t> firsts_;  // a place's first vertex, by cell
+};
 
 struct Pairing {
   float cosTurn;
@@ -35,17 +85,19 @@ struct Pairing {
   std::uint32_t b;
 };
 
-// Pairs the ends at each vertex, straightest first; none that turns more than the corner angle.
+// Pairs the ends at each place, straightest first; none that turns more than the corner angle.
 void pairEnds(
     const HalfEdgeMesh& mesh,
     std::span<const glm::ivec3> positions,
     float cosCorner,
+    Places& places,
     FeatureGraph& graph) {
   const auto ends = static_cast<std::uint32_t>(2 * graph.edges.size());
-  const auto vertexOf = [&](std::uint32_t end) {
+  std::vector<std::uint32_t> placeOf(ends);
+  for (std::uint32_t end = 0; end < ends; ++end) {
     const HalfEdgeId h = graph.edges[end / 2];
-    return end % 2 == 0 ? mesh.origin(h) : mesh.target(h);
-  };
+    placeOf[end] = places.placeOf(end % 2 == 0 ? mesh.origin(h) : mesh.target(h));
+  }
   const auto directionFrom = [&](std::uint32_t end) {
     const HalfEdgeId h = graph.edges[end / 2];
     const glm::vec3 along(positions[mesh.target(h)] - positions[mesh.origin(h)]);
@@ -53,23 +105,23 @@ void pairEnds(
     if (length == 0.0F) return glm::vec3(0.0F);
     return (end % 2 == 0 ? along : -along) / length;
   };
-  std::vector<std::uint32_t> byVertex(ends);
+  std::vector<std::uint32_t> byPlace(ends);
   for (std::uint32_t end = 0; end < ends; ++end)
-    byVertex[end] = end;
-  std::stable_sort(byVertex.begin(), byVertex.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return vertexOf(a) < vertexOf(b);
+    byPlace[end] = end;
+  std::stable_sort(byPlace.begin(), byPlace.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return placeOf[a] < placeOf[b];
   });
   graph.partners.assign(ends, kNone);
   std::vector<Pairing> pairings;
-  for (std::size_t first = 0; first < byVertex.size();) {
+  for (std::size_t first = 0; first < byPlace.size();) {
     std::size_t past = first + 1;
-    while (past < byVertex.size() && vertexOf(byVertex[past]) == vertexOf(byVertex[first]))
+    while (past < byPlace.size() && placeOf[byPlace[past]] == placeOf[byPlace[first]])
       ++past;
     pairings.clear();
     for (std::size_t i = first; i < past; ++i) {
       for (std::size_t j = i + 1; j < past; ++j) {
-        const float cosTurn = -glm::dot(directionFrom(byVertex[i]), directionFrom(byVertex[j]));
-        if (cosTurn >= cosCorner) pairings.push_back({cosTurn, byVertex[i], byVertex[j]});
+        const float cosTurn = -glm::dot(directionFrom(byPlace[i]), directionFrom(byPlace[j]));
+        if (cosTurn >= cosCorner) pairings.push_back({cosTurn, byPlace[i], byPlace[j]});
       }
     }
     std::stable_sort(pairings.begin(), pairings.end(), [](const Pairing& p, const Pairing& q) {
@@ -101,15 +153,19 @@ void emitLines(
       const std::uint32_t e = end / 2;
       isUsed[e] = 1;
       HalfEdgeId h = graph.edges[e];
-      if (end % 2 == 1) h = mesh.twins[h];  // walked backwards; borders never are
-      set.points.emplace_back(positions[mesh.origin(h)]);
+      bool isBackwards = end % 2 == 1;
+      if (isBackwards && mesh.twins[h] != kNone) {  // a crack has this one only
+        h = mesh.twins[h];
+        isBackwards = false;
+      }
+      set.points.emplace_back(positions[isBackwards ? mesh.target(h) : mesh.origin(h)]);
       set.halfEdges.push_back(h);
       set.faces.push_back(HalfEdgeMesh::face(h));
       const std::uint32_t following = graph.partners[end ^ 1U];
       line.closed = following == start;
       if (following == kNone || line.closed) {
         if (!line.closed) {
-          set.points.emplace_back(positions[mesh.target(h)]);
+          set.points.emplace_back(positions[isBackwards ? mesh.origin(h) : mesh.target(h)]);
           set.halfEdges.push_back(kNone);
           set.faces.push_back(kNone);
         }
@@ -141,12 +197,14 @@ PolylineSet chainFeatures(
   PolylineSet set;
   const auto cosCorner =
       static_cast<float>(std::cos(options.cornerAngleDegrees * std::numbers::pi / 180.0));
+  const std::vector<Crack> cracks = findCracks(mesh, positions);
+  Places places(mesh, positions);
   for (const LineKind kind : {LineKind::kCrease, LineKind::kSeam, LineKind::kBorder}) {
     FeatureGraph graph;
     for (HalfEdgeId h = 0; h < mesh.origins.size(); ++h) {
-      if (isOfKind(mesh, features, h, kind)) graph.edges.push_back(h);
+      if (isOfKind(kind, mesh, features, cracks, h)) graph.edges.push_back(h);
     }
-    pairEnds(mesh, positions, cosCorner, graph);
+    pairEnds(mesh, positions, cosCorner, places, graph);
     emitLines(mesh, positions, kind, graph, set);
   }
   return set;

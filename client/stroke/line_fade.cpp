@@ -31,12 +31,13 @@ void fadeLines(const SpineSet& spines, const StrokeStyle& style, std::vector<Lin
   fades.reserve(spines.spines.size());
   for (const SpineSet::Spine& spine : spines.spines) {
     // Short creases are mostly noise of a scan.
-    const bool isThin = spine.kind == LineKind::kCrease || spine.kind == LineKind::kSeam;
-    const float factor = isThin ? style.creaseFade : 1.0F;
+    const float factor = isInner(spine.kind) ? style.creaseFade : 1.0F;
     const float extent = spine.extentPx();
     fades.push_back(
         {fade(extent, std::min(factor * style.fadeBelowPx, largest)),
-         fade(extent, std::min(factor * style.fadeHiddenBelowPx, largest))});
+         isSuggestion(spine.kind)
+             ? 0.0F
+             : fade(extent, std::min(factor * style.fadeHiddenBelowPx, largest))});
   }
 }
 

@@ -21,6 +21,8 @@ namespace {
 
 /// Faces met within this distance (grid units) are those that the line lies on.
 constexpr double kSkip = 1e-4;
+/// Of points in floats, on faces that are not the line's own: where parts pass through each other.
+constexpr double kSkipOnSurface = 0.05;
 
 /// Resolves the lines of one view.
 class ViewResolver {
@@ -131,8 +133,10 @@ class ViewResolver {
     for (const double to : cuts_) {
       const glm::dvec3 middle = glm::mix(a, b, 0.5 * (from + to));
       const bool isAside = isSmooth && !line.onSurface;
-      const bool visible =
-          !isBlocked(isAside ? outside(lines_.faces[point], b - a, middle) : middle, out);
+      const bool visible = !isBlocked(
+          isAside ? outside(lines_.faces[point], b - a, middle) : middle,
+          line.kind == LineKind::kIntersection ? kSkipOnSurface : kSkip,
+          out);
       const bool isFirst = out.pieces.size() == out.begin.back();
       if (!isFirst && out.pieces.back().visible == visible) {
         out.pieces.back().end = static_cast<float>(to);
@@ -143,12 +147,12 @@ class ViewResolver {
     }
   }
 
-  [[nodiscard]] bool isBlocked(const glm::dvec3& p, ResolvedLines& out) {
+  [[nodiscard]] bool isBlocked(const glm::dvec3& p, double skip, ResolvedLines& out) {
     ++out.rays;
     Ray ray;
     ray.origin = p;
     ray.direction = towardEye(p);
-    ray.begin = kSkip / glm::length(ray.direction);
+    ray.begin = skip / glm::length(ray.direction);
     if (!orthographic_) ray.end = 1.0;
     const std::uint32_t blocker = bvh_.findBlocker(ray, own_, lastBlocker_);
     if (blocker != kNone) lastBlocker_ = blocker;

@@ -7,8 +7,6 @@
 
 #include "shared/mesh/edge_shape.h"
 
-#include <glm/gtc/matrix_access.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,6 +18,9 @@ namespace {
 /// image as fine as the picture.
 constexpr float kReachPx = 1.5F;
 
+/// A smooth silhouette that lies farther inside its mesh's outline than this is on its own.
+constexpr double kMostStandOutPx = 16.0;
+
 }  // namespace
 
 SegmentJudge::SegmentJudge(const PolylineSet& lines, const LineScene& scene)
@@ -28,8 +29,6 @@ SegmentJudge::SegmentJudge(const PolylineSet& lines, const LineScene& scene)
   const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
   clipFromGrid_ = clipFromWorld * scene.grid.step;
   clipFromGrid_[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
-  rowZ_ = glm::row(clipFromGrid_, 2);
-  rowW_ = glm::row(clipFromGrid_, 3);
   eye_ = scene.grid.fromModel(scene.camera.eye);
   forward_ = scene.camera.forward();
   // Two grid steps in depth at the target, and what 32-bit rasterisation may round.
@@ -56,10 +55,10 @@ bool SegmentJudge::isFront(FaceId face) const {
   return glm::dot(normal(face), towardEye(corner(3 * face))) > 0.0;
 }
 
-double SegmentJudge::depthOf(const glm::dvec3& p) const {
-  const double z = rowZ_.x * p.x + rowZ_.y * p.y + rowZ_.z * p.z + rowZ_.w;
-  const double w = rowW_.x * p.x + rowW_.y * p.y + rowW_.z * p.z + rowW_.w;
-  return w > 0.0 ? std::clamp(0.5 * (z / w + 1.0), 0.0, 1.0) : 0.0;
+glm::dvec3 SegmentJudge::project(const glm::dvec3& p) const {
+  const glm::dvec4 clip =
+      clipFromGrid_[0] * p.x + clipFromGrid_[1] * p.y + clipFromGrid_[2] * p.z + clipFromGrid_[3];
+  return clip.w > 0.0 ? pixelFromClip(clip, scene_.viewport) : glm::dvec3(0.0);
 }
 
 float SegmentJudge::slopeBias(FaceId face, float reachPx) const {
@@ -96,11 +95,28 @@ SegmentFacts SegmentJudge::judgeSmooth(FaceId face, std::uint32_t point, std::ui
   facts.hiddenByRule = glm::dot(glm::cross(n, along), towardEye(from + 0.5 * along)) < 0.0;
   if (facts.hiddenByRule) return facts;
   facts.openSide = 1.0F;
-  // The line may lie on a face turned away, under the faces around it: as deep as its own face is.
-  const double za = depthOf(a);
-  const double zb = depthOf(b);
-  const double zc = depthOf(c);
-  facts.bias = static_cast<float>(floor_ + std::max({za, zb, zc}) - std::min({za, zb, zc}));
+  // The line may lie on a face turned away, under the faces around it: as deep as its own face is
+  // across the line. Along it the line's own depth goes with the face: a rod's long faces reach
+  // far.
+  const glm::dvec3 start = project(from);
+  const glm::dvec2 course = glm::dvec2(project(from + along)) - glm::dvec2(start);
+  const double coursePx = glm::length(course);
+  const glm::dvec2 outward =
+      coursePx > 1e-6 ? glm::dvec2(-course.y, course.x) / coursePx : glm::dvec2(0.0);
+  const double length2 = glm::dot(along, along);
+  double nearest = 0.0;
+  double farthest = 0.0;
+  double standOut = 0.0;
+  for (const glm::dvec3& corner : {a, b, c}) {
+    const double share = length2 > 0.0 ? glm::dot(corner - from, along) / length2 : 0.0;
+    const glm::dvec3 there = project(corner);
+    const double rise = there.z - project(from + share * along).z;
+    nearest = std::min(nearest, rise);
+    farthest = std::max(farthest, rise);
+    standOut = std::max(standOut, glm::dot(glm::dvec2(there - start), outward));
+  }
+  facts.bias = static_cast<float>(floor_ + farthest - nearest);
+  facts.standOutPx = static_cast<float>(std::min(standOut, kMostStandOutPx));
   return facts;
 }
 

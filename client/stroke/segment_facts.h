@@ -17,6 +17,9 @@ struct SegmentFacts {
   /// On which side of the line, seen along it in the picture, its surface ends: 1 right, −1 left,
   /// 0 neither (surface on both sides).
   float openSide = 0.0F;
+  /// How far, in pixels to that side, the corners of the line's face stand out beyond the line:
+  /// where the mesh's own outline is, of a smooth silhouette inside it.
+  float standOutPx = 0.0F;
 };
 
 /// Works out SegmentFacts for one camera.
@@ -41,14 +44,12 @@ class SegmentJudge {
       const;
   /// Depth that face may rise within reachPx of a line on it, at most its own depth range.
   [[nodiscard]] float slopeBias(FaceId face, float reachPx) const;
-  /// Window depth, 0 behind the eye.
-  [[nodiscard]] double depthOf(const glm::dvec3& p) const;
+  /// Pixels and window depth; all 0 behind the eye.
+  [[nodiscard]] glm::dvec3 project(const glm::dvec3& p) const;
 
   const PolylineSet& lines_;
   LineScene scene_;
   glm::dmat4 clipFromGrid_;
-  glm::dvec4 rowZ_;
-  glm::dvec4 rowW_;
   glm::dvec3 eye_;  // grid units
   glm::dvec3 forward_;
   double floor_;  // window depth

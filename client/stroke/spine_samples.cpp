@@ -84,7 +84,8 @@ void sampleSpines(
             size > 1e-6F ? glm::vec2(-along.y, along.x) * (facts.openSide / size) : glm::vec2(0.0F);
       }
       SpineSample sample;
-      sample.position = glm::mix(spines.exact[from], spines.exact[to], t) * toFraction;
+      const glm::vec2 place = glm::mix(spines.exact[from], spines.exact[to], t);
+      sample.position = (place + facts.standOutPx * outward) * toFraction;
       sample.depth = glm::mix(spines.depth[from], spines.depth[to], t);
       sample.bias = facts.hiddenByRule ? -1.0F : facts.bias;
       sample.outward = outward;
@@ -124,7 +125,9 @@ SpineSamples sampleSegments(const PolylineSet& lines, const LineScene& scene) {
       const auto count = static_cast<std::uint32_t>(std::max(1.0, std::ceil(length)));
       for (std::uint32_t i = 0; i < count; ++i) {
         const double t = (i + 0.5) / count;
-        sample.position = glm::vec2((glm::dvec2(from) + t * along) / size);
+        const glm::dvec2 outwards =
+            static_cast<double>(facts.standOutPx) * glm::dvec2(sample.outward);
+        sample.position = glm::vec2((glm::dvec2(from) + t * along + outwards) / size);
         sample.depth = static_cast<float>(glm::mix(from.z, to.z, t));
         out.samples.push_back(sample);
         out.source.push_back(point);

@@ -14,9 +14,11 @@ namespace limn {
 /// One place on a spine where visibility is asked for. Eight floats, read by the visibility shader
 /// as two RGBA32F texels in this order.
 struct SpineSample {
-  glm::vec2 position{0.0F};  // of the exact line, as a fraction of the picture, from the top left
-  float depth = 0.0F;        // window depth of the line there
-  float bias = 0.0F;         // how much nearer a surface must be to hide it; < 0: hidden by rule
+  /// Of the exact line, or of its mesh's outline beside it (SegmentFacts::standOutPx), as a
+  /// fraction of the picture, from the top left.
+  glm::vec2 position{0.0F};
+  float depth = 0.0F;  // window depth of the line there
+  float bias = 0.0F;   // how much nearer a surface must be to hide it; < 0: hidden by rule
   /// Unit vector in the picture (y down) away from the surface that ends at a silhouette; 0 for
   /// lines with surface on both sides.
   glm::vec2 outward{0.0F};

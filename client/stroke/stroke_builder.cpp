@@ -32,7 +32,7 @@ BuiltStrokes StrokeBuilder::build(
   sampleSpines(spines_, arcs_, lines, scene, options.samples, samples_);
   const float period = texturePeriod(style, options.widthPx);
   coherence_.assign(spines_, arcs_, lines, scene, period, parameters_);
-  findWidths(scene.camera, options.widthFalloff);
+  findWidths(lines, scene.camera, options.widthFalloff);
   tessellate(
       {spines_, arcs_, fades_, samples_, parameters_, widths_},
       style,
@@ -42,15 +42,21 @@ BuiltStrokes StrokeBuilder::build(
   return {samples_, mesh_, spines_, parameters_};
 }
 
-void StrokeBuilder::findWidths(const Camera& camera, float falloff) {
+void StrokeBuilder::findWidths(const PolylineSet& lines, const Camera& camera, float falloff) {
   widths_.clear();
-  if (!(falloff > 0.0F) || camera.orthographic) return;
-  const auto reference = static_cast<float>(glm::distance(camera.eye, camera.target));
-  for (const float depth : spines_.depth) {
-    const float nearness = reference / std::max(viewDistance(camera, depth), 1e-9F);
-    widths_.push_back(
-        std::clamp(std::pow(nearness, falloff), 1.0F / kLargestGrowth, kLargestGrowth));
+  const bool falls = falloff > 0.0F && !camera.orthographic;
+  if (!falls && lines.strengths.empty()) return;
+  widths_.assign(spines_.points.size(), 1.0F);
+  if (falls) {
+    const auto reference = static_cast<float>(glm::distance(camera.eye, camera.target));
+    for (std::size_t i = 0; i < widths_.size(); ++i) {
+      const float nearness = reference / std::max(viewDistance(camera, spines_.depth[i]), 1e-9F);
+      widths_[i] = std::clamp(std::pow(nearness, falloff), 1.0F / kLargestGrowth, kLargestGrowth);
+    }
   }
+  if (lines.strengths.empty()) return;
+  for (std::size_t i = 0; i < widths_.size(); ++i)
+    widths_[i] *= lines.strengths[spines_.source[i]];
 }
 
 }  // namespace limn

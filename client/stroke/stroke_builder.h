@@ -50,7 +50,7 @@ class StrokeBuilder {
       const StrokeBuildOptions& options);
 
  private:
-  void findWidths(const Camera& camera, float falloff);
+  void findWidths(const PolylineSet& lines, const Camera& camera, float falloff);
 
   SpineProjector projector_;
   SpineSet spines_;

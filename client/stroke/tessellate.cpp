@@ -104,8 +104,7 @@ class StripBuilder {
     visibleFade_ = in_.fades[index].visible;
     hiddenFade_ = in_.fades[index].hidden;
     if (visibleFade_ <= 0.0F && hiddenFade_ <= 0.0F) return;
-    const bool isThin = spine.kind == LineKind::kCrease || spine.kind == LineKind::kSeam;
-    const float ink = widthPx_ * (isThin ? style_.creaseWidth : 1.0F);
+    const float ink = widthPx_ * (isInner(spine.kind) ? style_.creaseWidth : 1.0F);
     fullHalfWidth_ = 0.5F * ink / style_.body;
     sampleBegin_ = static_cast<float>(in_.samples.begin[index]);
     samplePerPx_ = in_.samples.perPx[index];

@@ -23,7 +23,11 @@ struct KindName {
 };
 
 /// From the bottom of the drawing to its top.
-constexpr std::array<KindName, 4> kKinds = {{
+constexpr std::array<KindName, 8> kKinds = {{
+    {LineKind::kSuggestive, "suggestive-contours", "Suggestive contours"},
+    {LineKind::kValley, "valleys", "Valleys"},
+    {LineKind::kRidge, "ridges", "Ridges"},
+    {LineKind::kIntersection, "intersections", "Intersections"},
     {LineKind::kSeam, "seams", "Seams"},
     {LineKind::kCrease, "creases", "Creases"},
     {LineKind::kBorder, "borders", "Borders"},
@@ -126,16 +130,26 @@ std::string head(const LineScene& scene, const StrokeStyle& style, const SvgOpti
          attribute("fill", colorText(style.paper)) + "/>\n</g>\n";
 }
 
+/// Of the whole spine: one path has one opacity.
+float meanStrength(const PolylineSet& lines, const SpineSet& spines, std::uint32_t index) {
+  if (lines.strengths.empty()) return 1.0F;
+  const SpineSet::Spine& spine = spines.spines[index];
+  float sum = 0.0F;
+  for (std::uint32_t i = spine.begin; i < spine.end; ++i)
+    sum += lines.strengths[spines.source[i]];
+  return sum / static_cast<float>(spine.size());
+}
+
 std::string
 layerHead(const KindName& kind, bool visible, const SvgPen& pen, const StrokeStyle& style) {
-  const bool isThin = kind.kind == LineKind::kCrease || kind.kind == LineKind::kSeam;
   const char* suffix = visible ? "visible" : "hidden";
-  std::string out =
-      "<g inkscape:groupmode=\"layer\"" +
-      attribute("inkscape:label", std::string(kind.label) + ", " + suffix) +
-      attribute("id", std::string(kind.id) + "-" + suffix) + " fill=\"none\"" +
-      attribute("stroke", colorText(pen.color)) +
-      attribute("stroke-width", number(pen.widthPx * (isThin ? style.creaseWidth : 1.0F)));
+  std::string out = "<g inkscape:groupmode=\"layer\"" +
+                    attribute("inkscape:label", std::string(kind.label) + ", " + suffix) +
+                    attribute("id", std::string(kind.id) + "-" + suffix) + " fill=\"none\"" +
+                    attribute("stroke", colorText(pen.color)) +
+                    attribute(
+                        "stroke-width",
+                        number(pen.widthPx * (isInner(kind.kind) ? style.creaseWidth : 1.0F)));
   // Round caps would close the gaps between dashes.
   out += attribute("stroke-linecap", pen.dashPx.empty() ? "round" : "butt");
   out += attribute("stroke-linejoin", "round");
@@ -175,7 +189,8 @@ std::string svgDrawing(
       for (const VisibleRun& run : runs) {
         if (run.visible != visible || spines.spines[run.spine].kind != kind.kind) continue;
         const LineFade& fade = fades[run.spine];
-        const float strength = visible ? fade.visible : fade.hidden;
+        const float strength =
+            (visible ? fade.visible : fade.hidden) * meanStrength(lines, spines, run.spine);
         if (strength < kFaintest) continue;
         if (isEmpty) out += layerHead(kind, visible, pen, style);
         isEmpty = false;

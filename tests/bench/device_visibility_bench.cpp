@@ -6,16 +6,19 @@
 #include "client/render/assets.h"
 #include "client/render/renderer.h"
 #include "client/stroke/chain.h"
+#include "client/stroke/crease_contours.h"
 #include "client/stroke/resolved_visibility.h"
 #include "client/stroke/visibility.h"
 #include "tests/corpus/corpus.h"
 
+#include "shared/mesh/feature_edges.h"
 #include "shared/silhouette/detector.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,6 +30,7 @@ constexpr std::array<std::pair<double, double>, 6> kViews = {
     {{30.0, 20.0}, {150.0, -10.0}, {260.0, 50.0}, {75.0, 0.0}, {200.0, 35.0}, {330.0, -40.0}}};
 constexpr int kSize = 1024;
 constexpr int kFarPx = 2;
+constexpr double kCreaseDegrees = 40.0;  // limn-prepare's
 
 /// The picture's pixels within kFarPx of a set of points.
 class NearMap {
@@ -91,6 +95,11 @@ class Bench {
     snapshot.model.closed = model->closed;
     snapshot.revision = ++revision_;  // each is another mesh to the renderer's cache
     const VisibilityResolver resolver(snapshot.mesh.mesh(), snapshot.mesh.positions());
+    // As limn-client draws: with the contours of creases.
+    creases_ = withoutNoise(
+        snapshot.mesh.mesh(),
+        snapshot.mesh.positions(),
+        findCreases(snapshot.mesh.mesh(), snapshot.mesh.positions(), kCreaseDegrees));
     return report(file, snapshot, resolver, SilhouetteKind::kEdges) &&
            report(file, snapshot, resolver, SilhouetteKind::kSmooth);
   }
@@ -138,7 +147,11 @@ class Bench {
     const auto detector = makeDetector(DetectorMethod::kBrute, field);
     const SilhouetteView view{snapshot.model.grid.fromModel(camera.eye), camera.forward(), false};
     SilhouetteChainer chainer;
-    const PolylineSet& lines = chainer.chain(field, view, detector->detect(view));
+    std::optional<CreaseContours> creases;
+    if (kind == SilhouetteKind::kSmooth) creases.emplace(field, creases_);
+    const SilhouetteResult& found = detector->detect(view);
+    const PolylineSet& lines =
+        creases ? creases->chain(view, found, chainer) : chainer.chain(field, view, found);
     RenderOptions options;
     options.viewport = {kSize, kSize};
     options.keepDepth = true;
@@ -239,6 +252,7 @@ class Bench {
   }
 
   Renderer renderer_;
+  std::vector<std::uint8_t> creases_;  // of the model at hand
   std::uint64_t revision_ = 0;
 };
 

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """`limn-client render --svg`: a document that other programs read, in layers, whose lines are the picture's."""
 
+import pathlib
 import re
 import shutil
-import struct
 import subprocess
+import sys
 import unittest
 import xml.etree.ElementTree
-import zlib
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import png
 from harness import Case, hills, run, torus, write_obj
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -29,44 +31,9 @@ def commands(data):
     return out
 
 
-def read_png(path):
-    """Rows of brightness, 0 to 255, of an 8-bit RGB or RGBA picture."""
-    data = path.read_bytes()
-    assert data[:8] == b"\x89PNG\r\n\x1a\n"
-    at, packed = 8, b""
-    while at < len(data):
-        size, kind = struct.unpack_from(">I4s", data, at)
-        body = data[at + 8:at + 8 + size]
-        if kind == b"IHDR":
-            width, height, depth, colour = struct.unpack_from(">IIBB", body)
-            assert depth == 8 and colour in (2, 6)
-        elif kind == b"IDAT":
-            packed += body
-        at += 12 + size
-    step = 3 if colour == 2 else 4
-    raw, above, rows = zlib.decompress(packed), bytes(width * step), []
-    for y in range(height):
-        begin = y * (width * step + 1)
-        kind, row = raw[begin], bytearray(raw[begin + 1:begin + 1 + width * step])
-        for i in range(len(row)):
-            left = row[i - step] if i >= step else 0
-            corner = above[i - step] if i >= step else 0
-            if kind == 1:
-                row[i] = (row[i] + left) & 255
-            elif kind == 2:
-                row[i] = (row[i] + above[i]) & 255
-            elif kind == 3:
-                row[i] = (row[i] + (left + above[i]) // 2) & 255
-            elif kind == 4:
-                p = left + above[i] - corner
-                near = min((abs(p - left), 0, left), (abs(p - above[i]), 1, above[i]), (abs(p - corner), 2, corner))
-                row[i] = (row[i] + near[2]) & 255
-        above = bytes(row)
-        rows.append([(above[i] + above[i + 1] + above[i + 2]) // 3 for i in range(0, len(above), step)])
-    return rows
-
-
-def inked(rows):
+def inked(path):
+    _, _, rows = png.read(path)
+    rows = png.brightness(rows)
     return {(x, y) for y, row in enumerate(rows) for x, value in enumerate(row) if value < 128}
 
 
@@ -80,10 +47,10 @@ class Svg(Case):
 
     def render(self, shape, *arguments):
         mesh = write_obj(self.folder / "shape.obj", shape)
-        svg, png = self.folder / "drawing.svg", self.folder / "picture.png"
+        svg, picture = self.folder / "drawing.svg", self.folder / "picture.png"
         run("limn-client", "render", "--mesh", mesh, "--camera", "orbit:40,25", "--size", "%dx%d" % (SIZE, SIZE), "--style",
-            "ink", "--gl", "osmesa", "--svg", svg, "--out", png, *arguments)
-        return svg, png
+            "ink", "--gl", "osmesa", "--svg", svg, "--out", picture, *arguments)
+        return svg, picture
 
     def test_is_a_document_in_layers_of_closed_and_open_paths(self):
         svg, _ = self.render(torus(96, 48, 0.3))
@@ -124,10 +91,10 @@ class Svg(Case):
             self.skipTest("no rsvg-convert: install librsvg2-bin")
         for shape in (torus(96, 48, 0.3), hills(40, 30)):
             for kind in ("smooth", "edges"):
-                svg, png = self.render(shape, "--hidden", "off", "--silhouette", kind)
+                svg, picture = self.render(shape, "--hidden", "off", "--silhouette", kind)
                 raster = self.folder / "raster.png"
                 subprocess.run(["rsvg-convert", str(svg), "-o", str(raster)], check=True)
-                ours, theirs = inked(read_png(raster)), inked(read_png(png))
+                ours, theirs = inked(raster), inked(picture)
                 self.assertGreater(len(theirs), 500)
                 self.assertGreater(share_near(ours, theirs, 1), 0.99, kind)
                 self.assertGreater(share_near(theirs, ours, 1), 0.99, kind)

@@ -51,6 +51,7 @@ TEST(RenderOptions, UnderstandsEveryFlag) {
   EXPECT_EQ(o.detectorName, "precomputed");
   EXPECT_EQ(o.silhouette, SilhouetteKind::kEdges);
   EXPECT_TRUE(o.features.crease && o.features.seam && !o.features.border);
+  EXPECT_FALSE(o.features.surface.any());
   EXPECT_EQ(o.style, "ink");
   EXPECT_EQ(*o.widthPx, 2.5);
   EXPECT_EQ(o.widthFalloff, 0.5);
@@ -157,7 +158,7 @@ TEST(RenderOptions, WrongUsageGetsOneLine) {
         "render --asset a --out x.png --draw magic",
         "render --asset a --out x.png --detector magic",
         "render --asset a --out x.png --silhouette thin",
-        "render --asset a --out x.png --features ridge",
+        "render --asset a --out x.png --features ridges",
         "render --asset a --out x.png --features ,",
         "render --asset a --out x.png --hidden maybe",
         "render --asset a --out x.png --gl vulkan",

@@ -135,5 +135,32 @@ TEST(ChainFeatures, NothingToChainGivesNothing) {
   EXPECT_TRUE(chainFeatures({}, {}, {}).lines.empty());
 }
 
+TEST(ChainFeatures, ACreaseThatIsCrackedIsOneLineAndNoBorder) {
+  // A sheet, and two that stand on its edge, each with corners of its own.
+  TriangleMesh shape;
+  const auto addSheet = [&](const glm::ivec3& a, const glm::ivec3& u, const glm::ivec3& v) {
+    const auto first = static_cast<std::uint32_t>(shape.positions.size());
+    shape.positions.insert(shape.positions.end(), {a, a + u, a + u + v, a + v});
+    shape.triangles.emplace_back(first, first + 1, first + 2);
+    shape.triangles.emplace_back(first, first + 2, first + 3);
+  };
+  addSheet({0, 0, 0}, {1000, 0, 0}, {0, 400, 0});
+  addSheet({0, 401, 0}, {1000, 0, 0}, {0, 400, 0});
+  addSheet({1001, 0, 0}, {0, 0, 600}, {0, 800, 0});
+  const HalfEdgeMesh mesh = link(shape);
+  const PolylineSet set = chainFeatures(mesh, shape.positions, {});
+  std::size_t creases = 0;
+  float border = 0.0F;
+  for (const PolylineSet::Line& line : set.lines) {
+    creases += line.kind == LineKind::kCrease ? line.segmentCount() : 0;
+    for (std::uint32_t k = 0; k < line.segmentCount() && line.kind == LineKind::kBorder; ++k)
+      border += glm::distance(
+          set.points[line.begin + k],
+          set.points[line.begin + k + 1 < line.end ? line.begin + k + 1 : line.begin]);
+  }
+  EXPECT_EQ(creases, 1U);
+  EXPECT_NEAR(border, 2.0F * 1000.0F + 800.0F + 2.0F * 600.0F + 800.0F, 8.0F);
+}
+
 }  // namespace
 }  // namespace limn

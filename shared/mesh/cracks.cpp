@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/mesh/cracks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace limn {
+namespace {
+
+/// Where along a border edge the other side is looked for.
+constexpr std::array<double, 3> kPlaces = {0.2, 0.5, 0.8};
+/// Sides whose normals differ by more lie back to back.
+constexpr double kBackToBackDegrees = 150.0;
+/// Cells that one edge is entered in, at most: longer steps leave gaps that only miss cracks.
+constexpr int kMostCells = 64;
+
+/// A border edge with its face.
+struct Border {
+  HalfEdgeId edge = kNone;
+  glm::dvec3 from{0.0};
+  glm::dvec3 along{0.0};
+  double length = 0.0;
+  glm::dvec3 normal{0.0};   // unit
+  glm::dvec3 inwards{0.0};  // unit, in the face, across the edge
+};
+
+class CrackSearch {
+ public:
+  CrackSearch(
+      const HalfEdgeMesh& mesh,
+      std::span<const glm::ivec3> positions,
+      const CrackOptions& options)
+      : mesh_(mesh),
+        positions_(positions),
+        options_(options),
+        cosine_(std::cos(options.sharpDegrees * std::numbers::pi / 180.0)),
+        backToBack_(std::cos(kBackToBackDegrees * std::numbers::pi / 180.0)) {}
+
+  std::vector<Crack> run() {
+    std::vector<Crack> cracks(mesh_.origins.size(), Crack::kNot);
+    collect();
+    if (borders_.empty()) return cracks;
+    enter();
+    for (std::uint32_t i = 0; i < borders_.size(); ++i)
+      cracks[borders_[i].edge] = crackOf(i, [](std::uint32_t) { return true; });
+    // Of the borders along one crease the longest ones stay.
+    std::vector<Crack> all = cracks;
+    for (std::uint32_t i = 0; i < borders_.size(); ++i) {
+      if (all[borders_[i].edge] != Crack::kCrease) continue;
+      const bool isCovered = crackOf(i, [&](std::uint32_t other) {
+                               const double own = borders_[i].length;
+                               const double others = borders_[other].length;
+                               return all[borders_[other].edge] == Crack::kCrease &&
+                                      (others > own || (others == own && other < i));
+                             }) != Crack::kNot;
+      if (isCovered) cracks[borders_[i].edge] = Crack::kInvisible;
+    }
+    return cracks;
+  }
+
+ private:
+  void collect() {
+    double sum = 0.0;
+    for (HalfEdgeId h = 0; h < mesh_.origins.size(); ++h) {
+      if (mesh_.twin(h) != kNone) continue;
+      Border border;
+      border.edge = h;
+      border.from = glm::dvec3(positions_[mesh_.origin(h)]);
+      border.along = glm::dvec3(positions_[mesh_.target(h)]) - border.from;
+      const glm::dvec3 apex = glm::dvec3(positions_[mesh_.origin(HalfEdgeMesh::prev(h))]);
+      const glm::dvec3 across = glm::cross(border.along, apex - border.from);
+      const double area = glm::length(across);
+      if (!(area > 0.0)) continue;
+      border.normal = across / area;
+      border.inwards = glm::normalize(glm::cross(border.normal, border.along));
+      border.length = glm::length(border.along);
+      sum += border.length;
+      borders_.push_back(border);
+    }
+    if (!borders_.empty())
+      cell_ = std::max(sum / static_cast<double>(borders_.size()), 4.0 * options_.widest);
+  }
+
+  [[nodiscard]] std::uint64_t cellOf(const glm::dvec3& p) const {
+    const glm::i64vec3 c(glm::floor(p / cell_));
+    return static_cast<std::uint64_t>(c.x) * 0x9E3779B97F4A7C15ULL ^
+           static_cast<std::uint64_t>(c.y) * 0xC2B2AE3D27D4EB4FULL ^
+           static_cast<std::uint64_t>(c.z) * 0x165667B19E3779F9ULL;
+  }
+
+  /// Enters every border in the cells along it.
+  void enter() {
+    for (std::uint32_t i = 0; i < borders_.size(); ++i) {
+      const Border& border = borders_[i];
+      const int steps =
+          std::clamp(static_cast<int>(std::ceil(2.0 * border.length / cell_)), 1, kMostCells);
+      for (int k = 0; k <= steps; ++k)
+        entries_.emplace_back(cellOf(border.from + border.along * (double(k) / steps)), i);
+    }
+    std::sort(entries_.begin(), entries_.end());
+    entries_.erase(std::unique(entries_.begin(), entries_.end()), entries_.end());
+  }
+
+  /// As much of a crack as its least part; only borders that count are on the other side.
+  template <class Counts>
+  [[nodiscard]] Crack crackOf(std::uint32_t self, Counts counts) const {
+    Crack whole = Crack::kInvisible;
+    for (const double t : kPlaces) {
+      const Crack here = crackAt(self, borders_[self].from + t * borders_[self].along, counts);
+      if (here == Crack::kNot) return here;
+      if (here == Crack::kCrease) whole = here;
+    }
+    return whole;
+  }
+
+  /// How the surface goes on at p, a place on border `self`: smoothly, if on any other's face.
+  template <class Counts>
+  [[nodiscard]] Crack crackAt(std::uint32_t self, const glm::dvec3& p, Counts counts) const {
+    Crack best = Crack::kNot;
+    for (int dx = -1; dx <= 1; ++dx) {
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dz = -1; dz <= 1; ++dz) {
+          const std::uint64_t cell = cellOf(p + cell_ * glm::dvec3(dx, dy, dz));
+          auto entry = std::lower_bound(
+              entries_.begin(),
+              entries_.end(),
+              std::pair<std::uint64_t, std::uint32_t>(cell, 0));
+          for (; entry != entries_.end() && entry->first == cell; ++entry) {
+            if (entry->second == self || !counts(entry->second)) continue;
+            const Crack crack = crackTo(borders_[self], borders_[entry->second], p);
+            if (crack == Crack::kInvisible) return crack;
+            if (crack == Crack::kCrease) best = crack;
+          }
+        }
+      }
+    }
+    return best;
+  }
+
+  [[nodiscard]] Crack crackTo(const Border& here, const Border& there, const glm::dvec3& p) const {
+    const double t = std::clamp(
+        glm::dot(p - there.from, there.along) / glm::dot(there.along, there.along),
+        0.0,
+        1.0);
+    const glm::dvec3 apart = p - (there.from + t * there.along);
+    if (glm::dot(apart, apart) > options_.widest * options_.widest) return Crack::kNot;
+    const double normals = glm::dot(here.normal, there.normal);
+    const double inwards = glm::dot(here.inwards, there.inwards);
+    // Faces that lie on one another, back to back or not, do not go on.
+    if (normals < backToBack_ || inwards > -backToBack_) return Crack::kNot;
+    return normals >= cosine_ && inwards <= -cosine_ ? Crack::kInvisible : Crack::kCrease;
+  }
+
+  const HalfEdgeMesh& mesh_;
+  std::span<const glm::ivec3> positions_;
+  CrackOptions options_;
+  double cosine_;
+  double backToBack_;
+  double cell_ = 1.0;
+  std::vector<Border> borders_;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> entries_;  // cell, border; sorted
+};
+
+}  // namespace
+
+std::vector<Crack> findCracks(
+    const HalfEdgeMesh& mesh,
+    std::span<const glm::ivec3> positions,
+    const CrackOptions& options) {
+  return CrackSearch(mesh, positions, options).run();
+}
+
+}  // namespace limn

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/mesh/cracks.h"
+
+#include "shared/mesh/primitives.h"
+#include "shared/mesh/triangle_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace limn {
+namespace {
+
+struct Shape {
+  std::vector<glm::ivec3> positions;
+  std::vector<glm::uvec3> triangles;
+
+  [[nodiscard]] HalfEdgeMesh link() const {
+    auto mesh = HalfEdgeMesh::build(static_cast<std::uint32_t>(positions.size()), triangles);
+    EXPECT_TRUE(mesh);
+    return std::move(*mesh);
+  }
+
+  /// Two triangles: corners a, a + u, a + u + v, a + v.
+  void addSheet(const glm::ivec3& a, const glm::ivec3& u, const glm::ivec3& v) {
+    const auto first = static_cast<std::uint32_t>(positions.size());
+    positions.insert(positions.end(), {a, a + u, a + u + v, a + v});
+    triangles.emplace_back(first, first + 1, first + 2);
+    triangles.emplace_back(first, first + 2, first + 3);
+  }
+};
+
+std::size_t count(const std::vector<Crack>& cracks, Crack kind) {
+  return static_cast<std::size_t>(std::count(cracks.begin(), cracks.end(), kind));
+}
+
+TEST(Cracks, SheetsThatGoOnInOnePlaneHaveNoBorderBetweenThem) {
+  Shape shape;
+  // One large sheet against two small ones, a grid step away: their corner is on its edge.
+  shape.addSheet({0, 0, 0}, {1000, 0, 0}, {0, 800, 0});
+  shape.addSheet({1001, 0, 0}, {500, 0, 0}, {0, 300, 0});
+  shape.addSheet({1001, 300, 1}, {500, 0, 0}, {0, 500, 0});
+  const auto cracks = findCracks(shape.link(), shape.positions);
+  // Three at the line between large and small, two between the small ones.
+  EXPECT_EQ(count(cracks, Crack::kInvisible), 5U);
+  EXPECT_EQ(count(cracks, Crack::kCrease), 0U);
+  EXPECT_EQ(cracks[1], Crack::kInvisible);  // from (1000, 0) to (1000, 800)
+}
+
+TEST(Cracks, SheetsThatMeetAtAnAngleHaveOneCreaseBetweenThem) {
+  Shape shape;
+  shape.addSheet({0, 0, 0}, {1000, 0, 0}, {0, 800, 0});
+  shape.addSheet({1001, 0, 0}, {0, 0, 600}, {0, 400, 0});
+  shape.addSheet({1001, 400, 0}, {0, 0, 600}, {0, 400, 0});
+  const auto cracks = findCracks(shape.link(), shape.positions);
+  EXPECT_EQ(count(cracks, Crack::kCrease), 1U);
+  EXPECT_EQ(cracks[1], Crack::kCrease);             // the longest of the three
+  EXPECT_EQ(count(cracks, Crack::kInvisible), 4U);  // the others, and between the two
+}
+
+TEST(Cracks, BordersOfSheetsBackToBackAndOfPartsApartAreBorders) {
+  Shape shape;
+  shape.addSheet({0, 0, 0}, {1000, 0, 0}, {0, 800, 0});
+  shape.addSheet({0, 0, 1}, {0, 800, 0}, {1000, 0, 0});    // faces the other way
+  shape.addSheet({1010, 0, 0}, {500, 0, 0}, {0, 800, 0});  // too far for a crack
+  const auto cracks = findCracks(shape.link(), shape.positions);
+  EXPECT_EQ(count(cracks, Crack::kNot), cracks.size());
+}
+
+TEST(Cracks, ClosedMeshesAndOpenOnesWithoutCracksHaveNone) {
+  for (const TriangleMesh& shape : {primitives::cube(), primitives::openGrid(20, 10)}) {
+    const auto mesh =
+        HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
+    ASSERT_TRUE(mesh);
+    const auto cracks = findCracks(*mesh, shape.positions);
+    EXPECT_EQ(count(cracks, Crack::kNot), mesh->origins.size());
+  }
+}
+
+}  // namespace
+}  // namespace limn
