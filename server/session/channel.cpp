@@ -143,6 +143,7 @@ Result<void> Channel::drop(protocol::Bytes ids) {
   full_ = false;
   fullSent_ = false;
   aheadCursor_ = {};
+  allHeld_ = {};
   // It is short of memory: what it does not need it would only drop again.
   options_.prefetchAfterMs = -1;
   if (prefetching_) adopt(Plan::kNothing, nullptr);
@@ -177,8 +178,20 @@ void Channel::adopt(Plan plan, std::shared_ptr<const TargetSet> target) {
   plan_ = plan;
   target_ = std::move(target);
   cursor_ = {};
-  exhausted_ = false;
+  exhausted_ = plan == Plan::kCell && isAllHeld(target_);
   full_ = false;
+}
+
+void Channel::noteAllHeld(const std::shared_ptr<const TargetSet>& target) {
+  if (!target || isAllHeld(target)) return;
+  allHeld_[nextAllHeld_] = target;
+  nextAllHeld_ = (nextAllHeld_ + 1) % allHeld_.size();
+}
+
+bool Channel::isAllHeld(const std::shared_ptr<const TargetSet>& target) const {
+  return std::ranges::any_of(allHeld_, [&](const auto& held) {
+    return !held.expired() && !held.owner_before(target) && !target.owner_before(held);
+  });
 }
 
 /// What is held once base and level blocks are sent.
@@ -249,7 +262,6 @@ bool Channel::steer(ViewCells& cells, std::int64_t nowMs) {
   return changed;
 }
 
-/// Chooses a cell on the camera's way, once the one it is in is there. True when it did.
 bool Channel::lookAhead(ViewCells& cells, std::int64_t nowMs) {
   if (!model_ || !pose_ || plan_ != Plan::kCell || !exhausted_ || jumped_ || resting(nowMs) ||
       !aheadExhausted_ || full_ || roomFor(kAheadQuarters) == 0) {
@@ -261,7 +273,7 @@ bool Channel::lookAhead(ViewCells& cells, std::int64_t nowMs) {
     const ViewCells::Ticket cell = cells.cell(model_, *pose);
     if (!cell || !cell->set) return false;  // asked for; the next update looks again
     ++aheadStep_;
-    if (cell->set == target_ || cell->set == ahead_) continue;
+    if (cell->set == target_ || isAllHeld(cell->set)) continue;
     ahead_ = cell->set;
     aheadCursor_ = {};
     aheadExhausted_ = false;
@@ -514,6 +526,7 @@ std::optional<OutMessage> Channel::nextNeeded(const Window& window) {
       choose(std::max<std::size_t>(std::min(splitsAPacket(), room), 1));
   if (ids.empty()) {
     exhausted_ = true;
+    if (!options_.randomSeed) noteAllHeld(target_);
     return std::nullopt;
   }
   if (ids.size() > room) {
@@ -531,6 +544,7 @@ std::optional<OutMessage> Channel::nextAhead(const Window& window) {
       nextSplits(*ahead_, have_, std::min(splitsAPacket(), room), aheadCursor_);
   if (ids.empty()) {
     aheadExhausted_ = true;
+    if (room > 0) noteAllHeld(ahead_);
     return std::nullopt;
   }
   return packetOf(ids);

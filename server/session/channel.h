@@ -14,6 +14,7 @@
 
 #include "shared/core/rng.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -101,6 +102,10 @@ class Channel {
   /// Takes in finished target sets and the passing of time. True when there may be more to send.
   [[nodiscard]] bool update(ViewCells& cells, std::int64_t nowMs);
 
+  /// Chooses a cell on the camera's way once everything before it is sent. True when it did: there
+  /// may be more to send.
+  [[nodiscard]] bool lookAhead(ViewCells& cells, std::int64_t nowMs);
+
   /// The next message that no window holds back (descriptions, answers), if there is one.
   [[nodiscard]] std::optional<OutMessage> nextControl();
   /// Of the payload that is to come next. An upper bound: nextPayload() may find there is nothing
@@ -137,8 +142,9 @@ class Channel {
   [[nodiscard]] bool planIsFinal() const;
   void adopt(Plan plan, std::shared_ptr<const TargetSet> target);
   bool steer(ViewCells& cells, std::int64_t nowMs);
-  bool lookAhead(ViewCells& cells, std::int64_t nowMs);
   void noteInView();
+  void noteAllHeld(const std::shared_ptr<const TargetSet>& target);
+  [[nodiscard]] bool isAllHeld(const std::shared_ptr<const TargetSet>& target) const;
   /// Splits that the client still has room for, of `share` quarters of its limit.
   [[nodiscard]] std::uint32_t roomFor(std::uint32_t share) const;
   [[nodiscard]] std::uint32_t missing() const;
@@ -220,6 +226,10 @@ class Channel {
   ScheduleCursor aheadCursor_;
   bool aheadExhausted_ = true;
   std::int64_t aheadStep_ = 0;  // how far along the way that is
+  // Sets of which nothing is missing, the latest few, a ring: cells on the way are met again with
+  // every pose. Weak, so that the cache of cells decides what stays in memory.
+  std::array<std::weak_ptr<const TargetSet>, 8> allHeld_;
+  std::size_t nextAllHeld_ = 0;
 };
 
 }  // namespace limn

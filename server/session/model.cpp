@@ -199,8 +199,7 @@ std::size_t Model::bytes() const {
   const std::lock_guard lock(mutex_);
   return sizeof(*this) + forest + (full_ ? full_->bytes() : 0) +
          (dependents_ ? dependents_->bytes() : 0) + (contours_[0] ? contours_[0]->bytes() : 0) +
-         (contours_[1] ? contours_[1]->bytes() : 0) +
-         (packets_ ? packets_->bytes() : 0);
+         (contours_[1] ? contours_[1]->bytes() : 0) + (packets_ ? packets_->bytes() : 0);
 }
 
 std::vector<std::uint8_t> withChannel(Bytes message, std::uint8_t channel) {

@@ -31,24 +31,24 @@ std::vector<VertexId> nextSplits(
     std::size_t maxSplits,
     ScheduleCursor& cursor) {
   std::vector<VertexId> ids;
+  ids.reserve(std::min<std::size_t>(maxSplits, 256));
   const auto held = have.words();
   std::size_t word = cursor.word;
   bool passing = true;  // nothing found yet: the cursor may move along
-  for (std::size_t c = cursor.targetClass; c < target.classes.size(); ++c, word = 0) {
+  bool full = false;
+  for (std::size_t c = cursor.targetClass; c < target.classes.size() && !full; ++c, word = 0) {
     const auto& wanted = target.classes[c];
-    for (; word < wanted.size(); ++word) {
+    const auto before = static_cast<std::ptrdiff_t>(ids.size());
+    for (; word < wanted.size() && !full; ++word) {
       const std::uint64_t missing = wanted[word] & ~held[word];
       if (missing == 0) continue;
       if (passing) cursor = {c, word};
       passing = false;
-      if (appendBits(missing, word, maxSplits, ids)) {
-        std::ranges::sort(ids);
-        return ids;
-      }
+      full = appendBits(missing, word, maxSplits, ids);
     }
+    std::ranges::inplace_merge(ids, ids.begin() + before);
   }
   if (passing) cursor = {target.classes.size(), 0};
-  std::ranges::sort(ids);
   return ids;
 }
 

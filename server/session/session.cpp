@@ -266,7 +266,12 @@ std::optional<OutMessage> Session::nextPayload() {
       return std::pair(channel->urgency(), channel->servedBytes());
     };
     const auto next = std::ranges::min_element(channels_, {}, rank);
-    if (next == channels_.end() || (*next)->urgency() == Urgency::kNothing) return std::nullopt;
+    if (next == channels_.end()) return std::nullopt;
+    if ((*next)->urgency() == Urgency::kNothing) {
+      // At once, not with the next tick: a camera passes a cell within a few of them.
+      if (!lookAhead()) return std::nullopt;
+      continue;
+    }
     Channel& channel = **next;
     const Urgency before = channel.urgency();
     auto message = channel.nextPayload(window_);
@@ -277,6 +282,13 @@ std::optional<OutMessage> Session::nextPayload() {
     // Nothing, as it turned out, or the window is full: then nobody else's turn comes before.
     if (channel.urgency() == before) return std::nullopt;
   }
+}
+
+bool Session::lookAhead() {
+  bool any = false;
+  for (const auto& channel : channels_)
+    any = channel->lookAhead(shared_.cells, nowMs_) || any;
+  return any;
 }
 
 void Session::drain(std::uint32_t retryAfterMs) {

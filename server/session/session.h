@@ -79,6 +79,7 @@ class Session {
 
   [[nodiscard]] Channel* find(std::uint8_t id);
   [[nodiscard]] std::optional<OutMessage> nextPayload();
+  bool lookAhead();
   /// Queues an Error; channel −1 ends the connection, others the channel.
   void refuse(protocol::WireError code, std::int16_t channel, const std::string& why);
   void closeChannel(std::uint8_t id);

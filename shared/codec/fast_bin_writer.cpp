@@ -45,21 +45,6 @@ void FastBinWriter::grow(std::size_t symbols) {
   sizes_.resize(size);
 }
 
-std::int32_t FastBinWriter::codeSigned(std::uint32_t context, std::int32_t value) {
-  const auto magnitude = static_cast<std::uint32_t>(std::abs(value));
-  const std::uint32_t length = static_cast<std::uint32_t>(std::bit_width(magnitude + 1)) - 1;
-  if (length > kFastLength) {
-    codeLongNumber(context, magnitude);
-    codeRaw(1, value < 0 ? 1 : 0);
-    return value;
-  }
-  makeRoom(kFastRoom);
-  pushNumber(context, magnitude, length);
-  pushRaw(1, value < 0 ? 1 : 0);
-  count_ -= length > 0 ? 0 : 1;
-  return value;
-}
-
 std::uint32_t FastBinWriter::codeLongNumber(std::uint32_t context, std::uint32_t value) {
   // Without the functions that would lead back here.
   struct Plain {

@@ -22,32 +22,52 @@ class FastBinWriter {
   void begin(std::span<const Probability> table);
 
   bool code(std::uint32_t context, bool bit) {
-    makeRoom(1);
-    return push(context, bit);
+    Symbols out = room(1);
+    push(states_.data() + context, bit, out);
+    count_ = out.count;
+    return bit;
   }
 
   std::uint32_t codeRaw(std::uint32_t bits, std::uint32_t value) {
-    makeRoom(1);
-    return pushRaw(bits, value);
+    Symbols out = room(1);
+    pushRaw(bits, value, out);
+    count_ = out.count;
+    return value;
   }
 
   /// A number as split_syntax::codeNumber() codes it.
   std::uint32_t codeNumber(std::uint32_t context, std::uint32_t value) {
     const std::uint32_t length = static_cast<std::uint32_t>(std::bit_width(value + 1)) - 1;
     if (length > kFastLength) return codeLongNumber(context, value);
-    makeRoom(kFastRoom);
-    pushNumber(context, value, length);
+    Symbols out = room(kFastRoom);
+    pushNumber(states_.data() + context, value, length, out);
+    count_ = out.count;
     return value;
   }
 
   /// A signed number as split_syntax::codeSigned() codes it.
-  std::int32_t codeSigned(std::uint32_t context, std::int32_t value);
+  std::int32_t codeSigned(std::uint32_t context, std::int32_t value) {
+    const auto magnitude = static_cast<std::uint32_t>(value < 0 ? -value : value);
+    const std::uint32_t length = static_cast<std::uint32_t>(std::bit_width(magnitude + 1)) - 1;
+    if (length > kFastLength) {
+      codeLongNumber(context, magnitude);
+      codeRaw(1, value < 0 ? 1 : 0);
+      return value;
+    }
+    Symbols out = room(kFastRoom);
+    pushNumber(states_.data() + context, magnitude, length, out);
+    pushRaw(1, value < 0 ? 1 : 0, out);
+    count_ = out.count - (length > 0 ? 0 : 1);
+    return value;
+  }
 
   /// Bits in contexts first, first + 1, …: token >> 1 is the context, the lowest bit what is coded.
   void codeTokens(std::uint32_t first, std::span<const std::uint8_t> tokens) {
-    makeRoom(tokens.size());
+    Symbols out = room(tokens.size());
+    std::uint16_t* const states = states_.data() + first;
     for (const std::uint8_t token : tokens)
-      push(first + (token >> 1), (token & 1) != 0);
+      push(states + (token >> 1), (token & 1) != 0, out);
+    count_ = out.count;
   }
 
   /// Appends the stream to `bytes`.
@@ -64,33 +84,41 @@ class FastBinWriter {
   // Eight probabilities of 16 bits.
   using Lanes = std::uint16_t __attribute__((vector_size(16)));
 
-  void makeRoom(std::size_t symbols) {
+  /// Where symbols go; apart from the members, which a store of bytes could change for all that
+  /// the compiler knows.
+  struct Symbols {
+    std::uint16_t* begins;
+    std::uint16_t* sizes;
+    std::size_t count;
+  };
+
+  Symbols room(std::size_t symbols) {
     if (begins_.size() - count_ < symbols) grow(symbols);
+    return {begins_.data(), sizes_.data(), count_};
   }
 
   void grow(std::size_t symbols);
   std::uint32_t codeLongNumber(std::uint32_t context, std::uint32_t value);
 
   // As AdaptiveBit: probabilities never come near 0 or 4096, so its clamp has nothing to do.
-  bool push(std::uint32_t context, bool bit) {
-    std::uint16_t& state = states_[context];
-    const std::uint32_t zero = state >> 4;
-    begins_[count_] = static_cast<std::uint16_t>(bit ? zero : 0);
-    sizes_[count_++] = static_cast<std::uint16_t>(bit ? 4096 - zero : zero);
-    const std::uint32_t down = state >> 6;
-    const std::uint32_t up = (65535U - state) >> 6;
-    state = static_cast<std::uint16_t>(bit ? state - down : state + up);
-    return bit;
+  static void push(std::uint16_t* state, bool bit, Symbols& out) {
+    const std::uint32_t before = *state;
+    const std::uint32_t zero = before >> 4;
+    out.begins[out.count] = static_cast<std::uint16_t>(bit ? zero : 0);
+    out.sizes[out.count++] = static_cast<std::uint16_t>(bit ? 4096 - zero : zero);
+    const std::uint32_t down = before >> 6;
+    const std::uint32_t up = (65535U - before) >> 6;
+    *state = static_cast<std::uint16_t>(bit ? before - down : before + up);
   }
 
-  std::uint32_t pushRaw(std::uint32_t bits, std::uint32_t value) {
-    begins_[count_] = static_cast<std::uint16_t>(value << (12 - bits));
-    sizes_[count_++] = static_cast<std::uint16_t>(1 << (12 - bits));
-    return value;
+  static void pushRaw(std::uint32_t bits, std::uint32_t value, Symbols& out) {
+    out.begins[out.count] = static_cast<std::uint16_t>(value << (12 - bits));
+    out.sizes[out.count++] = static_cast<std::uint16_t>(1 << (12 - bits));
   }
 
-  /// Lanes first … first + 7 of a length's unary bits: ones, then a zero in lane `length`.
-  void pushUnary(std::uint32_t context, std::uint32_t first, std::uint32_t length) {
+  /// Bits first … first + 7 of a length in unary: ones, then a zero as bit `length`.
+  static void
+  pushUnary(std::uint16_t* states, std::uint32_t first, std::uint32_t length, const Symbols& out) {
     // Windows of it: as many ones as wanted, then zeros.
     alignas(16) static constexpr std::uint16_t kMasks[24] =
         {0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF};
@@ -100,30 +128,30 @@ class FastBinWriter {
     Lanes state;
     std::memcpy(&one, kMasks + 8 - ones, sizeof(one));
     std::memcpy(&live, kMasks + 8 - (ones < 8 ? ones + 1 : 8), sizeof(live));
-    std::memcpy(&state, &states_[context + first], sizeof(state));
+    std::memcpy(&state, states + first, sizeof(state));
     const Lanes zero = state >> 4;
     const Lanes begin = zero & one;
     const Lanes size = ((4096 - zero) & one) | (zero & ~one);
     const Lanes change = (-(state >> 6) & one) | ((~state >> 6) & ~one);
     const Lanes next = state + (change & live);
-    std::memcpy(&states_[context + first], &next, sizeof(next));
-    std::memcpy(&begins_[count_ + first], &begin, sizeof(begin));
-    std::memcpy(&sizes_[count_ + first], &size, sizeof(size));
+    std::memcpy(states + first, &next, sizeof(next));
+    std::memcpy(out.begins + out.count + first, &begin, sizeof(begin));
+    std::memcpy(out.sizes + out.count + first, &size, sizeof(size));
   }
 
-  /// Room for kFastRoom is there; every symbol is written, and counted if it belongs.
-  void pushNumber(std::uint32_t context, std::uint32_t value, std::uint32_t length) {
-    pushUnary(context, 0, length);
-    if (length >= 8) pushUnary(context, 8, length);
-    count_ += length + 1;
-    const std::size_t some = length > 0 ? 1 : 0;
-    const std::size_t more = length > 1 ? 1 : 0;
+  /// length: at most kFastLength, with room for kFastRoom. Every symbol is written, and counted if
+  /// it belongs.
+  static void
+  pushNumber(std::uint16_t* states, std::uint32_t value, std::uint32_t length, Symbols& out) {
+    pushUnary(states, 0, length, out);
+    if (length >= 8) pushUnary(states, 8, length, out);
+    out.count += length + 1;
     // The bit below the top; without one the context is nobody's.
-    push(context + 16 + length, ((value + 1) << 1 >> length & 1) != 0);
-    count_ -= 1 - some;
-    const std::uint32_t rest = more != 0 ? length - 1 : 0;
-    pushRaw(rest, (value + 1) & ((1U << rest) - 1));
-    count_ -= 1 - more;
+    push(states + 16 + length, ((value + 1) << 1 >> length & 1) != 0, out);
+    out.count -= length > 0 ? 0 : 1;
+    const std::uint32_t rest = length > 1 ? length - 1 : 0;
+    pushRaw(rest, (value + 1) & ((1U << rest) - 1), out);
+    out.count -= length > 1 ? 0 : 1;
   }
 
   std::vector<std::uint16_t> states_;  // by context: probability of a zero, in 65,536ths

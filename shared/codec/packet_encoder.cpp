@@ -20,11 +20,20 @@ std::vector<std::uint8_t> PacketEncoder::encode(std::span<const VertexId> ids) {
   appendVarint(2 * ids.size(), bytes);
   bins_.begin(model_.probabilities);
   split_syntax::NameState names;
-  for (const VertexId v : ids) {
+  const std::uint32_t base = forest_.baseVertexCount();
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    // Splits of a packet lie all over the model.
+    constexpr std::size_t kAhead = 8;
+    if (i + 2 * kAhead < ids.size()) {
+      symbols_.prefetchPlace(ids[i + 2 * kAhead] - base);
+      __builtin_prefetch(&forest_.parents[ids[i + 2 * kAhead] - base]);
+    }
+    if (i + kAhead < ids.size()) symbols_.prefetch(ids[i + kAhead] - base);
+    const VertexId v = ids[i];
     VertexId vertex = v;
     VertexId parent = forest_.parent(v);
     split_syntax::codeName(bins_, names, forest_.levelBegin, vertex, parent);
-    const std::uint32_t split = v - forest_.baseVertexCount();
+    const std::uint32_t split = v - base;
     const std::uint8_t* packed = symbols_.find(split);
     if (packed == nullptr) {
       split_.clear();

@@ -462,6 +462,36 @@ TEST(Delivery, FollowingTheMotionAheadLeavesFewerStalls) {
   EXPECT_LT(with, 0.7 * without);
 }
 
+TEST(Delivery, WhatLiesAheadIsSentWithThePoseNotWithATick) {
+  static const auto model = modelOf(primitives::bumpySphere(5, 9), 9, 200);
+  SessionOptions options;
+  options.prefetchAfterMs = -1;
+  Link link(options);
+  link.models_.add("large", model);
+  for (double degrees = 0.0; degrees < 60.0; degrees += 0.5) {
+    static_cast<void>(link.cells_.cell(model, orbitPose(*model, degrees, 1)));
+    link.tasks_.runAll();
+  }
+  link.hello();
+  link.open("large");
+  int withPose = 0;
+  for (int i = 0; i < 20; ++i) {
+    link.now_ += 100;
+    link.send(orbitPose(*model, 1.5 * i, static_cast<std::uint32_t>(i + 1)));
+    link.tasks_.runAll();
+    if (i == 0) link.session_.update(link.now_);  // its own set has come
+    int got = 0;
+    while (const int some = link.take()) {
+      got += some;
+      link.acknowledge();
+    }
+    withPose += i > 0 ? got : 0;
+    link.session_.update(link.now_);
+    EXPECT_EQ(link.take(), 0) << "pose " << i;
+  }
+  EXPECT_GT(withPose, 3);
+}
+
 // Over 1 Mbit/s a new pose's packets come within a round trip and the queue that the window allows.
 TEST(Delivery, ANewPoseTakesEffectWithinAWindowOnASlowLink) {
   Link link;
