@@ -37,6 +37,17 @@ inline constexpr std::array<std::int16_t, 24> kInner = {-57, -38, -32, -29, -27,
 inline constexpr std::array<std::int16_t, 24> kAngle = {34, 38,  38,  40,  40,  38,  37,  37,
                                                         35, 35,  33,  26,  27,  24,  18,  3,
                                                         0,  -11, -23, -31, -41, -51, -57, -80};
+
+/// kAngle for every angle that a fan can span: its last entry goes on.
+constexpr std::array<std::int16_t, 16 * kMaxFanEdges + 1> makeSpans() {
+  std::array<std::int16_t, 16 * kMaxFanEdges + 1> spans{};
+  for (std::size_t i = 0; i < spans.size(); ++i)
+    spans[i] = kAngle[std::min<std::size_t>(i, kAngle.size() - 1)];
+  return spans;
+}
+
+inline constexpr std::array<std::int16_t, 16 * kMaxFanEdges + 1> kSpan = makeSpans();
+
 // Angles in 128ths of π with a squared tangent of 2^((i − 32) / 4) and a little more.
 inline constexpr std::array<std::uint8_t, 65> kArcTangent = {
     3,  3,  3,  3,  4,  4,  4,  5,  5,  6,  6,  7,  7,  8,  9,  10, 10, 11, 12, 13, 14, 16,
@@ -94,6 +105,10 @@ inline std::uint32_t cutsFrom(const Neighbourhood& n, std::uint32_t s) {
 
 inline RingCut cutAt(const Neighbourhood& n, std::uint32_t index) {
   std::uint32_t s = 0;
+  if (!n.isPath) {
+    s = index / cutsFrom(n, 0);
+    index %= cutsFrom(n, 0);
+  }
   for (; index >= cutsFrom(n, s); ++s)
     index -= cutsFrom(n, s);
   return {static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(n.wrap(s + index + 1))};
@@ -101,39 +116,55 @@ inline RingCut cutAt(const Neighbourhood& n, std::uint32_t index) {
 
 inline void findCutOdds(const Neighbourhood& n, CutOdds& result) {
   namespace f = cut_factors;
-  std::array<Wide, kMaxRing + 1> w;
-  std::int64_t largest = 0;
+  std::int32_t largest = 0;
   for (std::uint32_t i = 0; i < n.size; ++i) {
-    w[i] = Wide(n.ring[i]);
-    largest = std::max(largest, maxNorm(w[i]));
+    const glm::ivec3 a = glm::abs(n.ring[i]);
+    largest = std::max({largest, a.x, a.y, a.z});
   }
+  // Of 14 bits, so that products of two fit 32.
   const int excess = excessBits(largest, 14);
+  std::array<glm::ivec3, kMaxRing + 1> w;
   std::array<std::int32_t, kMaxRing> reach;  // log8 of the squared distance from u
   std::int32_t mean = 0;
   for (std::uint32_t i = 0; i < n.size; ++i) {
-    w[i] = shifted(w[i], excess);
-    reach[i] = log8(static_cast<std::uint64_t>(dot(w[i], w[i])));
+    w[i] = n.ring[i] >> excess;
+    reach[i] = log8(static_cast<std::uint32_t>(dot32(w[i], w[i])));
     mean += reach[i];
   }
   w[n.size] = w[0];
   mean /= static_cast<std::int32_t>(n.size);
-  // Twice around, so that a fan is a range: what a vertex as an end and the ones inside count for,
-  // and the angle of each ring edge as seen from u, in 128ths of π.
+  // Twice around, so that a fan is a range: what a vertex counts for as an end; what those inside
+  // before it count for, summed up; and the angles of the ring edges before it as seen from u,
+  // in 128ths of π, summed up.
   std::array<std::int32_t, 2 * kMaxRing> end;
-  std::array<std::int32_t, 2 * kMaxRing> inner;
-  std::array<std::int32_t, 2 * kMaxRing> angle;
+  std::array<std::int32_t, 2 * kMaxRing> innerBefore;
+  std::array<std::int32_t, 2 * kMaxRing> angleBefore;
+  std::int32_t inner = 0;
+  std::int32_t angle = 0;
   for (std::uint32_t i = 0; i < n.size; ++i) {
     const std::size_t step = f::step(reach[i] - mean, -32, 3);
     end[i] = end[i + n.size] = f::kEnd[step];
-    inner[i] = inner[i + n.size] = f::kInner[step];
-    const Wide area = cross(w[i], w[i + 1]);
-    const std::int64_t along = dot(w[i], w[i + 1]);
+    innerBefore[i] = inner;
+    angleBefore[i] = angle;
+    inner += f::kInner[step];
+    const glm::ivec3& a = w[i];
+    const glm::ivec3& b = w[i + 1];
+    const Wide area(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    const std::int32_t along = dot32(a, b);
     const std::int32_t tangent = log8(static_cast<std::uint64_t>(dot(area, area))) -
-                                 2 * log8(static_cast<std::uint64_t>(std::abs(along)));
+                                 2 * log8(static_cast<std::uint32_t>(std::abs(along)));
     const std::int32_t acute =
         f::kArcTangent[static_cast<std::size_t>((std::clamp(tangent, -64, 64) + 64) / 2)];
-    angle[i] = angle[i + n.size] = along >= 0 ? acute : 128 - acute;
+    angle += along >= 0 ? acute : 128 - acute;
   }
+  for (std::uint32_t i = 0; i < n.size; ++i) {
+    innerBefore[i + n.size] = innerBefore[i] + inner;
+    angleBefore[i + n.size] = angleBefore[i] + angle;
+  }
+  // What the far end of a fan counts for together with all inside before it.
+  std::array<std::int32_t, 2 * kMaxRing> far;
+  for (std::uint32_t i = 0; i < 2 * n.size; ++i)
+    far[i] = end[i] + innerBefore[i];
   std::array<std::int32_t, kMaxFanEdges + 1> shape;  // what the length counts for
   for (std::uint32_t length = 1; length <= std::min(n.size, kMaxFanEdges); ++length) {
     shape[length] =
@@ -145,14 +176,10 @@ inline void findCutOdds(const Neighbourhood& n, CutOdds& result) {
   std::uint32_t count = 0;
   for (std::uint32_t s = 0; s < n.size; ++s) {
     const std::uint32_t most = cutsFrom(n, s);
-    std::int32_t inside = end[s];
-    std::int32_t span = 0;
+    const std::int32_t near = end[s] - innerBefore[s + 1];
     for (std::uint32_t length = 1; length <= most; ++length) {
-      const std::uint32_t at = s + length;
-      span += angle[at - 1];
-      const std::int32_t score = inside + end[at] + shape[length] +
-                                 f::kAngle[static_cast<std::size_t>(std::min(span / 8, 23))];
-      inside += inner[at];
+      const auto span = static_cast<std::uint32_t>(angleBefore[s + length] - angleBefore[s]);
+      const std::int32_t score = near + far[s + length] + shape[length] + f::kSpan[span / 8];
       scores[count++] = score;
       best = std::max(best, score);
     }

@@ -45,13 +45,17 @@ inline Fan fanOf(const Neighbourhood& n, const RingCut& cut) {
 
 /// Eight times the binary logarithm, the fraction linear between powers of two; −8 for 0.
 inline std::int32_t log8(std::uint64_t x) {
-  if (x == 0) return -8;
-  const int top = std::bit_width(x) - 1;
-  const std::uint64_t fraction = top >= 3 ? x >> (top - 3) : x << (3 - top);
-  return 8 * top + static_cast<std::int32_t>(fraction & 7);
+  const int top = std::bit_width(x | 1) - 1;
+  const auto fraction = static_cast<std::int32_t>(x << (63 - top) >> 60 & 7);
+  return 8 * top + fraction - (x == 0 ? 8 : 0);
 }
 
 inline std::int64_t dot(const Wide& a, const Wide& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// Of coordinates of at most 14 bits.
+inline std::int32_t dot32(const glm::ivec3& a, const glm::ivec3& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
