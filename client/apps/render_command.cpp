@@ -99,6 +99,7 @@ class Painter {
     options.lineColor = options_.lineColor;
     options.lineFade = options_.lineFade;
     options.firstLayer = options_.firstLayer;
+    options.hullFaces = options_.hullFaces;
     return renderer_->render(snapshot, lines, camera, options);
   }
 
@@ -218,7 +219,8 @@ class Drawing {
     // Without a number in a path every frame is the same picture: the last one is kept.
     const bool isKept = options_.orbitPath || last;
     LineFinder::Lines found;
-    if (needsLines(options_.draw) || (isKept && usesLines(options_))) {
+    const bool findsLines = options_.contours == SessionMachine::Options::Contours::kOwnMesh;
+    if (findsLines && (needsLines(options_.draw) || (isKept && usesLines(options_)))) {
       auto lines = findLines(camera);
       if (!lines) return tl::unexpected(lines.error());
       found = *std::move(lines);
@@ -381,8 +383,11 @@ Result<void> runRender(const RenderCommandOptions& options) {
     until.state = MeshState::kComplete;
   }
   // A moving camera asks for more and more, so its connection stays open.
+  const bool exactContours = options.contours == SessionMachine::Options::Contours::kServer;
+  if (exactContours) until.state = MeshState::kBase;
   const bool follows = source->isServer && options.orbitPath && options.frames > 1 &&
-                       until.kind == StopCondition::Kind::kState && until.state > MeshState::kBase;
+                       until.kind == StopCondition::Kind::kState &&
+                       (until.state > MeshState::kBase || exactContours);
 
   ClientSession::Options sessionOptions;
   sessionOptions.session.model = source->model;
@@ -390,7 +395,9 @@ Result<void> runRender(const RenderCommandOptions& options) {
   sessionOptions.session.memoryBytes = options.memoryMib << 20;
   sessionOptions.session.needsSeeds =
       options.detector == DetectorMethod::kPrecomputed && until.state > MeshState::kBase;
-  if (!options.dumpHull.empty()) sessionOptions.session.outerHullFaces = options.hullFaces;
+  if (!options.dumpHull.empty() || options.draw == DrawMode::kClip)
+    sessionOptions.session.outerHullFaces = options.hullFaces;
+  sessionOptions.session.contours = options.contours;
   if (!options.dumpInnerHull.empty()) sessionOptions.session.innerHullFaces = options.hullFaces;
   sessionOptions.publishEveryMs = kNeverMs;
   if (follows) sessionOptions.session.stop.kind = StopCondition::Kind::kNever;

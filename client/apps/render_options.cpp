@@ -54,15 +54,40 @@ struct RawFlags {
   std::string camera, size, until, draw = "strokes", detector = "exact", silhouette = "smooth";
   std::string features = "crease,border,seam", hidden = "style", gl = "egl", path, brush = "none";
   std::string assets, out, svg, light, lineColor, firstLayer = "auto";
-  std::string widthUnits = "px";
+  std::string widthUnits = "px", contours = "client";
   std::optional<double> fov, width, brushAmplitude, brushFrequency;
   double widthFalloff = 0.0;
   std::uint32_t brushSeed = 1;
   DetectorFlags detectorFlags;
 };
 
-/// Flags of commands whose feature is not there yet: known, so that the answer is a clear one.
-constexpr std::array<const char*, 1> kLaterFlags = {"--contours"};
+/// Where silhouettes come from, and what that needs.
+Result<void> understandContours(const RawFlags& raw, RenderCommandOptions& options) {
+  if (raw.contours != "client" && raw.contours != "server") {
+    return wrong("--contours " + raw.contours + " is unknown: write client or server");
+  }
+  if (options.draw == DrawMode::kClip) {
+    if (options.light)
+      return wrong("--draw clip cuts where the eye sees the outline, not a --light");
+    // The outline of a mesh is that of its edges.
+    options.silhouette = SilhouetteKind::kEdges;
+  }
+  if (raw.contours == "client") return {};
+  options.contours = SessionMachine::Options::Contours::kServer;
+  if (options.source.serverUrl.empty()) {
+    return wrong("--contours server needs a --server; files bring the whole mesh");
+  }
+  if (options.draw != DrawMode::kClip) {
+    return wrong("--contours server is for --draw clip: other ways to draw need the mesh");
+  }
+  if (!raw.until.empty()) {
+    return wrong("--contours server holds no mesh, so there is no --until to wait for");
+  }
+  if (options.check || !raw.svg.empty() || !options.dumpLines.empty()) {
+    return wrong("--contours server finds no lines: leave out --check, --svg, --dump-lines");
+  }
+  return {};
+}
 
 Result<void> understandStrokes(const RawFlags& raw, RenderCommandOptions& options) {
   const auto kind = parseBrushKind(raw.brush);
@@ -94,8 +119,7 @@ Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& option
   if (const auto mode = parseDrawMode(raw.draw)) {
     options.draw = *mode;
   } else {
-    const bool known =
-        raw.draw == "clip" || raw.draw == "image-edges" || raw.draw == "geometry-shader";
+    const bool known = raw.draw == "image-edges" || raw.draw == "geometry-shader";
     if (known) return later("--draw " + raw.draw);
     return tl::unexpected(mode.error().within("--draw"));
   }
@@ -197,11 +221,7 @@ Result<void> understandView(const RawFlags& raw, RenderCommandOptions& options) 
   return {};
 }
 
-void addRender(
-    CLI::App& app,
-    RenderCommandOptions& o,
-    RawFlags& raw,
-    std::vector<std::string>& asked) {
+void addRender(CLI::App& app, RenderCommandOptions& o, RawFlags& raw) {
   const auto path = [&app](const char* flag, std::filesystem::path& target, const char* help) {
     return app.add_option(flag, target, help);
   };
@@ -235,7 +255,7 @@ void addRender(
   app.add_option(
       "--draw",
       raw.draw,
-      "strokes|shaded|image-precision:wireframe|…:translate|…:z-scale|…:offset|…:fatten|…:"
+      "strokes|shaded|clip|image-precision:wireframe|…:translate|…:z-scale|…:offset|…:fatten|…:"
       "charcoal");
   app.add_option(
       "--detector",
@@ -287,6 +307,11 @@ void addRender(
   path("--dump-mesh", o.dumpMesh, "The client's mesh (PLY)");
   path("--dump-hull", o.dumpHull, "The outer hull with --hull-faces faces (PLY)");
   path("--dump-inner-hull", o.dumpInnerHull, "The inner hull with --hull-faces faces (PLY)");
+  app.add_option(
+      "--contours",
+      raw.contours,
+      "client|server: silhouettes of the mesh held here, or of the whole one, found there "
+      "(client)");
   app.add_option("--hull-faces", o.hullFaces, "Faces of the hulls, or as near from below (500)")
       ->check(CLI::Range(4, 1 << 20));
   path("--dump-lines", o.dumpLines, "The lines, with visibility (JSON)");
@@ -294,13 +319,6 @@ void addRender(
   path("--reference", o.reference, "Asset directory to compare contours with, for --check");
 
   raw.detectorFlags.addTo(app);
-
-  for (const char* flag : kLaterFlags) {
-    app.add_option_function<std::string>(
-           flag,
-           [flag, &asked](const std::string&) { asked.emplace_back(flag); })
-        ->group("");  // not in --help
-  }
 }
 
 }  // namespace
@@ -329,7 +347,6 @@ Result<void> checkSource(const SourceOptions& source) {
 Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) {
   RenderCommandOptions options;
   RawFlags raw;
-  std::vector<std::string> asked;
 
   CLI::App app(
       "Draws a mesh as stylised lines, streamed from a server or from a file.",
@@ -339,7 +356,7 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
   app.require_subcommand(1);
   CLI::App* render = app.add_subcommand("render", "Draw a picture, write reports and dumps");
   render->footer(kExamples);
-  addRender(*render, options, raw, asked);
+  addRender(*render, options, raw);
   CLI::App* view = app.add_subcommand("view", "Show a model in a window");
   view->allow_extras()->group("");
   CLI::App* sweep = app.add_subcommand("sweep", "Compare detectors over a camera path");
@@ -369,11 +386,11 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
     line.sweep = std::make_shared<const SweepCommandOptions>(std::move(*parsed));
     return line;
   }
-  if (!asked.empty()) return later(asked.front());
 
   if (auto ok = checkSource(options.source); !ok) return tl::unexpected(ok.error());
   if (auto ok = understandView(raw, options); !ok) return tl::unexpected(ok.error());
   if (auto ok = understandDrawing(raw, options); !ok) return tl::unexpected(ok.error());
+  if (auto ok = understandContours(raw, options); !ok) return tl::unexpected(ok.error());
   if (!options.reference.empty() && !options.check) return wrong("--reference goes with --check");
   if (options.out.empty() && options.svg.empty() && options.report.empty() &&
       options.dumpMesh.empty() && options.dumpLines.empty() && options.dumpHull.empty() &&

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/core/session_machine.h"
 #include "client/core/session_state.h"
 #include "client/pose/orbit.h"
 #include "client/render/gl_context.h"
@@ -58,6 +59,7 @@ struct RenderCommandOptions {
   DetectorMethod detector = DetectorMethod::kExact;
   DetectorOptions detectorParameters;
   SilhouetteKind silhouette = SilhouetteKind::kSmooth;
+  SessionMachine::Options::Contours contours = SessionMachine::Options::Contours::kOwnMesh;
   std::optional<glm::dvec3> light;  // model coordinates; unset: silhouettes are the eye's
   FeatureChoice features;
   std::string style = "pencil";

@@ -27,6 +27,18 @@ json medianJson(const std::vector<FrameTimes>& frames, Part part) {
   return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2.0;
 }
 
+json contoursJson(const SessionOutcome& outcome) {
+  std::vector<double> ms = outcome.contours.answerMs;
+  if (ms.empty()) return nullptr;
+  std::sort(ms.begin(), ms.end());
+  const auto points = static_cast<double>(std::max<std::uint64_t>(outcome.contours.points, 1));
+  return {
+      {"answers", ms.size()},
+      {"points", outcome.contours.points},
+      {"bytes_per_point", static_cast<double>(outcome.bytes.contours) / points},
+      {"ms", {{"p50", ms[ms.size() / 2]}, {"p95", ms[ms.size() * 95 / 100]}, {"max", ms.back()}}}};
+}
+
 double peakRssMib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -83,6 +95,7 @@ std::string reportJson(const RenderReport& report) {
        report.contourError
            ? json{{"p95", report.contourError->p95}, {"max", report.contourError->max}}
            : json(nullptr)},
+      {"exact_contours", contoursJson(outcome)},
       {"gl",
        report.gl ? json{{"renderer", report.gl->renderer}, {"version", report.gl->version}}
                  : json(nullptr)},

@@ -22,6 +22,8 @@ void ByteCounters::count(const protocol::Body& body, std::size_t wireBytes) {
       std::holds_alternative<protocol::Hull>(body) ||
       std::holds_alternative<protocol::HullSplits>(body)) {
     hull += wireBytes;
+  } else if (std::holds_alternative<protocol::Contour>(body)) {
+    contours += wireBytes;
   } else {
     control += wireBytes;
   }

@@ -284,7 +284,8 @@ SessionOutcome ClientSession::outcomeNow() const {
       machine_.state(),
       machine_.bytes(),
       machine_.times(),
-      machine_.reconnects()};
+      machine_.reconnects(),
+      machine_.contours()};
 }
 
 }  // namespace limn

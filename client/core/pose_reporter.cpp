@@ -60,6 +60,11 @@ std::optional<protocol::Pose> PoseReporter::next(std::uint64_t nowMs) {
   return toPose(*view_, channel_, newestId_);
 }
 
+std::optional<protocol::Pose> PoseReporter::newest() const {
+  if (!view_) return std::nullopt;
+  return toPose(*view_, channel_, newestId_);
+}
+
 std::optional<std::uint64_t> PoseReporter::dueAtMs() const {
   if (!waiting_) return std::nullopt;
   return earliestMs_;

@@ -37,6 +37,8 @@ class PoseReporter {
   void repeat();
   /// The pose to send now, if one is due.
   [[nodiscard]] std::optional<protocol::Pose> next(std::uint64_t nowMs);
+  /// The newest view as a pose, whether or not it is due.
+  [[nodiscard]] std::optional<protocol::Pose> newest() const;
   /// When next() will have one; nullopt when nothing waits.
   [[nodiscard]] std::optional<std::uint64_t> dueAtMs() const;
 

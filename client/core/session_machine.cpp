@@ -256,6 +256,10 @@ void SessionMachine::handlePayload(
   damages_ = 0;
   noteProgress(nowMs);
   taken_ += messageBytes;
+  if constexpr (std::is_same_v<Payload, protocol::Contour>) {
+    noteContour(stream, message, nowMs);
+    if (phase_ == Phase::kWaiting) return;
+  }
   if (taken_ - acknowledged_ >= kAcknowledgeEveryBytes) acknowledge();
 }
 
@@ -373,10 +377,47 @@ void SessionMachine::sendOpen(Stream& stream) {
 
 void SessionMachine::sendPoseIfDue(Stream& stream, std::uint64_t nowMs) {
   if (!stream.isOpen) return;
+  if (options_.contours == Options::Contours::kServer) return askForContour(stream, nowMs);
   auto pose = stream.poses.next(nowMs);
   if (!pose) return;
   pose->maxSplits = stream.maxSplits;
   outbox_.push_back(encodeMessage(*pose));
+}
+
+/// One at a time: what comes meanwhile is asked for when the answer is there, if it is the newest.
+void SessionMachine::askForContour(Stream& stream, std::uint64_t nowMs) {
+  const std::uint32_t newest = stream.poses.newestId();
+  if (stream.contourAsked != stream.contourGot || stream.contourAsked == newest) return;
+  const auto pose = stream.poses.newest();
+  if (!pose) return;
+  stream.contourAsked = newest;
+  stream.contourAskedAtMs = nowMs;
+  outbox_.push_back(encodeMessage(protocol::GetContour{
+      stream.channel,
+      newest,
+      pose->eye,
+      pose->forward,
+      pose->orthoHeight > 0.0,
+      pose->silhouette}));
+}
+
+void SessionMachine::noteContour(
+    Stream& stream,
+    const protocol::Contour& message,
+    std::uint64_t nowMs) {
+  if (message.id != stream.contourAsked || stream.contourGot == stream.contourAsked) {
+    ++damages_;
+    return lose({ErrorCode::kProtocol, "a contour came that was not asked for"}, nowMs, 0);
+  }
+  stream.contourGot = message.id;
+  contourTimes_.answerMs.push_back(static_cast<double>(nowMs - stream.contourAskedAtMs));
+  contourTimes_.points += stream.decoder.contour()->lines.points.size();
+  askForContour(stream, nowMs);
+}
+
+bool SessionMachine::contourIsThere(const Stream& stream) const {
+  return options_.contours == Options::Contours::kOwnMesh ||
+         (stream.contourGot != 0 && stream.contourGot == stream.poses.newestId());
 }
 
 void SessionMachine::askForHulls(const Stream& stream) {
@@ -417,6 +458,7 @@ void SessionMachine::lose(const Error& reason, std::uint64_t nowMs, std::uint64_
     stream.isOpen = false;
     stream.reopenAtMs.reset();
     stream.settledAs.reset();
+    stream.contourAsked = stream.contourGot;
   }
   if (damages_ >= kMaxDamages) return failWith(reason.within("the stream keeps arriving damaged"));
   if (!lostAtMs_) lostAtMs_ = nowMs;
@@ -483,6 +525,9 @@ bool SessionMachine::owesAnswer(const Stream& stream) const {
   // The base mesh is owed from the start; more only for a view that has been told.
   if (!stream.decoder.hasBase()) return true;
   if (stream.poses.newestId() == 0) return false;
+  if (options_.contours == Options::Contours::kServer) {
+    return !contourIsThere(stream) || !hullsAreThere(stream);
+  }
   return stateOf(stream) < MeshState::kSettled ||
          (options_.stop.kind == StopCondition::Kind::kState && !hasReached(options_.stop.state));
 }
@@ -509,7 +554,8 @@ std::optional<std::uint64_t> SessionMachine::wakeAtMs() const {
   if (phase_ == Phase::kWaiting) consider(retryAtMs_);
   for (const Stream& stream : streams_) {
     if (stream.reopenAtMs) consider(*stream.reopenAtMs);
-    if (stream.isOpen && stream.poses.dueAtMs()) consider(*stream.poses.dueAtMs());
+    const bool tellsPoses = stream.isOpen && options_.contours == Options::Contours::kOwnMesh;
+    if (tellsPoses && stream.poses.dueAtMs()) consider(*stream.poses.dueAtMs());
   }
   if (owesAnswer()) consider(lastHeardMs_ + options_.silenceMs);
   if (options_.stop.kind == StopCondition::Kind::kSeconds) {
@@ -530,7 +576,7 @@ std::optional<std::uint32_t> SessionMachine::room(std::size_t model) const {
 bool SessionMachine::hasReached(MeshState wanted) const {
   return std::ranges::all_of(streams_, [&](const Stream& stream) {
     return stateOf(stream) >= wanted && (!options_.needsSeeds || stream.decoder.seedsAreThere()) &&
-           hullsAreThere(stream);
+           hullsAreThere(stream) && contourIsThere(stream);
   });
 }
 

@@ -47,6 +47,11 @@ class SessionMachine {
     /// Faces of the hulls that are wanted, and without which no state counts; 0: none.
     std::uint32_t outerHullFaces = 0;
     std::uint32_t innerHullFaces = 0;
+    /// Where silhouettes come from. kServer: of the full mesh, asked for view by view, one request
+    /// at a time; views are told in no other way, so of the mesh only its start comes, and no state
+    /// counts without the newest view's contour.
+    enum class Contours : std::uint8_t { kOwnMesh, kServer };
+    Contours contours = Contours::kOwnMesh;
     std::uint64_t giveUpAfterMs = 30'000;  // of trying to get back to a lost server
     std::uint64_t silenceMs = 30'000;      // of a server that owes something: taken for a loss
     std::uint64_t seed = 1;                // of the backoff's jitter
@@ -117,6 +122,8 @@ class SessionMachine {
   /// Connections that came about after the first one.
   [[nodiscard]] std::uint32_t reconnects() const { return opened_ == 0 ? 0 : opened_ - 1; }
 
+  [[nodiscard]] const ContourTimes& contours() const { return contourTimes_; }
+
   /// Set in kFailed.
   [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
 
@@ -139,6 +146,11 @@ class SessionMachine {
     bool isOpen = false;                      // its description has come, on this connection
     std::optional<MeshState> settledAs;       // what the server said about the newest pose
     std::optional<std::uint64_t> reopenAtMs;  // the model was not ready
+
+    // Exact contours: ids of views.
+    std::uint32_t contourAsked = 0;
+    std::uint32_t contourGot = 0;
+    std::uint64_t contourAskedAtMs = 0;
 
     // Room.
     std::uint32_t maxSplits = 0;  // 0: no limit
@@ -165,6 +177,9 @@ class SessionMachine {
   void sendPoseIfDue(Stream& stream, std::uint64_t nowMs);
   void makeRoom(Stream& stream, std::uint32_t missing);
   void askForHulls(const Stream& stream);
+  void askForContour(Stream& stream, std::uint64_t nowMs);
+  void noteContour(Stream& stream, const protocol::Contour& message, std::uint64_t nowMs);
+  [[nodiscard]] bool contourIsThere(const Stream& stream) const;
   [[nodiscard]] bool hullsAreThere(const Stream& stream) const;
   void acknowledge();
   void lose(const Error& reason, std::uint64_t nowMs, std::uint64_t retryAfterMs);
@@ -181,6 +196,7 @@ class SessionMachine {
   std::vector<Stream> streams_;
   ByteCounters bytes_;
   StateTimes times_;
+  ContourTimes contourTimes_;
   std::deque<std::vector<std::uint8_t>> outbox_;
   std::optional<Error> failure_;
   std::optional<Error> blocked_;

@@ -42,6 +42,12 @@ struct StateTimes {
   std::optional<double> completeMs;
 };
 
+/// What exact contours have taken.
+struct ContourTimes {
+  std::vector<double> answerMs;  // from each request to its decoded answer
+  std::uint64_t points = 0;      // of all answers
+};
+
 /// What a session has come to.
 struct SessionOutcome {
   std::shared_ptr<const MeshSnapshot> snapshot;                // of the first model
@@ -50,6 +56,7 @@ struct SessionOutcome {
   ByteCounters bytes;
   StateTimes times;
   std::uint32_t reconnects = 0;
+  ContourTimes contours = {};
 };
 
 }  // namespace limn

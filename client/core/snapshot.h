@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/codec/contour_codec.h"
 #include "shared/core/camera.h"
 #include "shared/core/sha256.h"
 #include "shared/mesh/triangle_mesh.h"
@@ -40,6 +41,12 @@ struct ModelDescription {
   std::optional<HullDescription> hull;  // unset: the asset knows of none
 };
 
+/// Silhouettes of the full mesh that the server found for one view.
+struct ExactContour {
+  std::uint32_t view = 0;  // its id
+  ContourLines lines;
+};
+
 /// The client's mesh at one moment. Immutable; crosses threads as shared_ptr<const MeshSnapshot>.
 struct MeshSnapshot {
   ModelDescription model;
@@ -47,7 +54,8 @@ struct MeshSnapshot {
   std::shared_ptr<const SeedTable> seeds;            // null until they have arrived
   std::shared_ptr<const ProgressiveHull> outerHull;  // null until asked for and arrived
   std::shared_ptr<const ProgressiveHull> innerHull;
-  std::uint64_t revision = 0;  // grows with every published change
+  std::shared_ptr<const ExactContour> contour;  // the last that came; null: none was asked for
+  std::uint64_t revision = 0;                   // grows with every published change
 };
 
 }  // namespace limn

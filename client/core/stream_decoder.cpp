@@ -129,6 +129,15 @@ Result<void> StreamDecoder::take(const protocol::HullSplits& message) {
   return hulls_.take(message, *model_);
 }
 
+Result<void> StreamDecoder::take(const protocol::Contour& message) {
+  if (!model_) return fail(ErrorCode::kProtocol, "a contour came before the model's description");
+  auto lines = decodeContour(message.lines, limits::kMaxContourPoints);
+  if (!lines) return tl::unexpected(lines.error());
+  contour_ = std::make_shared<const ExactContour>(ExactContour{message.id, std::move(*lines)});
+  ++revision_;
+  return {};
+}
+
 Result<void> StreamDecoder::undo(std::span<const VertexId> ids) {
   ++revision_;
   for (std::size_t i = ids.size(); i-- > 0;) {
@@ -165,6 +174,7 @@ void StreamDecoder::drop() {
   seedBytesHeld_ = 0;
   seedPieces_ = {};
   hulls_ = {};
+  contour_.reset();
   ++revision_;
 }
 
@@ -175,6 +185,7 @@ std::shared_ptr<const MeshSnapshot> StreamDecoder::snapshot() const {
   snapshot->seeds = seeds_;
   snapshot->outerHull = hulls_.hull(protocol::HullSide::kOuter);
   snapshot->innerHull = hulls_.hull(protocol::HullSide::kInner);
+  snapshot->contour = contour_;
   snapshot->revision = revision_;
   return snapshot;
 }

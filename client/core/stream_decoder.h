@@ -25,16 +25,18 @@ class StreamDecoder {
   /// asset drops everything. Errors: kCorrupt, kLimitExceeded (the split model).
   [[nodiscard]] Result<void> beginModel(const protocol::ModelInfo& info);
 
-  /// Takes Base, LevelBlock, Packet, Seeds, Hull or HullSplits of this model; no splits before the
-  /// base mesh. A split whose prerequisites are missing is an error, which also keeps level blocks
-  /// in order. Total over any bytes: after an error the mesh is still valid, with the splits that
-  /// came before the damage. Errors: kProtocol (order), kCorrupt, kNonManifold, kLimitExceeded.
+  /// Takes Base, LevelBlock, Packet, Seeds, Hull, HullSplits or Contour of this model; no splits
+  /// before the base mesh. A split whose prerequisites are missing is an error, which also keeps
+  /// level blocks in order. Total over any bytes: after an error the mesh is still valid, with the
+  /// splits that came before the damage. Errors: kProtocol (order), kCorrupt, kNonManifold,
+  /// kLimitExceeded.
   [[nodiscard]] Result<void> take(const protocol::Base& message);
   [[nodiscard]] Result<void> take(const protocol::LevelBlock& message);
   [[nodiscard]] Result<void> take(const protocol::Packet& message);
   [[nodiscard]] Result<void> take(const protocol::Seeds& message);
   [[nodiscard]] Result<void> take(const protocol::Hull& message);
   [[nodiscard]] Result<void> take(const protocol::HullSplits& message);
+  [[nodiscard]] Result<void> take(const protocol::Contour& message);
 
   /// Undoes splits that the server has dropped from its account; ids ascending. Errors: kProtocol
   /// (a split that cannot be undone: the account is wrong).
@@ -69,6 +71,9 @@ class StreamDecoder {
 
   [[nodiscard]] const HullStreams& hulls() const { return hulls_; }
 
+  /// The last contour that came; null: none.
+  [[nodiscard]] const std::shared_ptr<const ExactContour>& contour() const { return contour_; }
+
   /// Grows with every change of the mesh or the seeds.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
@@ -89,6 +94,7 @@ class StreamDecoder {
   std::uint32_t seedBytesHeld_ = 0;
   std::vector<std::uint8_t> seedPieces_;  // until they are whole
   HullStreams hulls_;
+  std::shared_ptr<const ExactContour> contour_;
   std::uint64_t revision_ = 0;
 };
 

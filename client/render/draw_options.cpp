@@ -22,6 +22,7 @@ constexpr std::array kModes = {
     ModeName{DrawMode::kBackOffset, "image-precision:offset", false},
     ModeName{DrawMode::kBackFatten, "image-precision:fatten", false},
     ModeName{DrawMode::kBackCharcoal, "image-precision:charcoal", false},
+    ModeName{DrawMode::kClip, "clip", true},
 };
 
 const ModeName& entryOf(DrawMode mode) {

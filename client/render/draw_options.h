@@ -8,6 +8,7 @@
 
 #include <glm/glm.hpp>
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +26,7 @@ enum class DrawMode {
   kBackOffset,     // nearer by their slope
   kBackFatten,     // edges pushed outwards by the line's width
   kBackCharcoal,   // those and grazing front faces, in greys
+  kClip,           // a hull, lit, cut to the silhouette [Sander00]
 };
 
 /// Errors: kInvalidArgument, naming the choices.
@@ -63,6 +65,7 @@ struct RenderOptions {
   double lineFade = 0.0;  // share of their darkness lines lose at the far end. Not of strokes
   FirstLayer firstLayer = FirstLayer::kAuto;
   std::optional<glm::vec3> paper;  // background, sRGB 0 … 1; the style's own when unset
+  std::uint32_t hullFaces = 500;   // kClip: of the outer hull, or as near from below
   int supersample = 2;             // lines are drawn this many times larger and reduced; 1 to 4
   bool keepDepth = false;          // also return the depth image (for segmentVisibility)
 };

@@ -2,6 +2,7 @@
 #include "client/render/drawing_method.h"
 
 #include "client/render/back_faces_method.h"
+#include "client/render/clip_method.h"
 #include "client/render/shaded_method.h"
 #include "client/render/strokes_method.h"
 #include "client/stroke/stroke_builder.h"
@@ -31,6 +32,8 @@ Result<std::unique_ptr<DrawingMethod>> makeDrawingMethod(DrawMode mode, DrawTool
     case DrawMode::kBackFatten:
     case DrawMode::kBackCharcoal:
       return BackFacesMethod::create(mode, tools);
+    case DrawMode::kClip:
+      return ClipMethod::create(tools);
   }
   return fail(ErrorCode::kUnsupported, "this way to draw is not in this release");
 }

@@ -23,6 +23,11 @@ Result<MeshPass> MeshPass::create(const gl::Api& api) {
   return pass;
 }
 
+glm::vec3 MeshPass::lightOf(const Camera& camera) {
+  const glm::dmat3 worldFromView = glm::transpose(glm::dmat3(camera.viewFromWorld()));
+  return glm::vec3(worldFromView * glm::normalize(glm::dvec3(-0.4, 0.6, 0.7)));
+}
+
 bool MeshPass::upload(const MeshSnapshot& snapshot) {
   const auto positions = snapshot.mesh.positions();
   const std::vector<std::uint32_t>& origins = snapshot.mesh.mesh().origins;
@@ -120,10 +125,8 @@ void MeshPass::drawShaded(
   api_->depthMask(GL_TRUE);
   api_->clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   shadedProgram_.use();
-  const glm::dmat3 worldFromView = glm::transpose(glm::dmat3(camera.viewFromWorld()));
-  const glm::dvec3 light = worldFromView * glm::normalize(glm::dvec3(-0.4, 0.6, 0.7));
-  shadedProgram_.set("light", glm::vec3(light));
-  shadedProgram_.set("surface", glm::vec3(0.82F, 0.80F, 0.76F));
+  shadedProgram_.set("light", lightOf(camera));
+  shadedProgram_.set("surface", kSurface);
   draw(snapshot, camera, target, shadedProgram_);
 }
 

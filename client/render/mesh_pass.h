@@ -13,6 +13,11 @@ namespace limn {
 /// The mesh on the GPU, drawn for its depth or lit.
 class MeshPass {
  public:
+  /// Colour of what is lit.
+  static constexpr glm::vec3 kSurface{0.82F, 0.80F, 0.76F};
+  /// Towards the light above the viewer's left shoulder, unit, in the mesh's axes.
+  [[nodiscard]] static glm::vec3 lightOf(const Camera& camera);
+
   /// Errors: kUnavailable.
   [[nodiscard]] static Result<MeshPass> create(const gl::Api& api);
 

@@ -26,6 +26,7 @@
   X(clear, Clear, PFNGLCLEARPROC)                                                       \
   X(clearColor, ClearColor, PFNGLCLEARCOLORPROC)                                        \
   X(clearDepthf, ClearDepthf, PFNGLCLEARDEPTHFPROC)                                     \
+  X(clearStencil, ClearStencil, PFNGLCLEARSTENCILPROC)                                  \
   X(colorMask, ColorMask, PFNGLCOLORMASKPROC)                                           \
   X(compileShader, CompileShader, PFNGLCOMPILESHADERPROC)                               \
   X(createProgram, CreateProgram, PFNGLCREATEPROGRAMPROC)                               \
@@ -40,6 +41,7 @@
   X(depthMask, DepthMask, PFNGLDEPTHMASKPROC)                                           \
   X(disable, Disable, PFNGLDISABLEPROC)                                                 \
   X(drawArrays, DrawArrays, PFNGLDRAWARRAYSPROC)                                        \
+  X(drawArraysInstanced, DrawArraysInstanced, PFNGLDRAWARRAYSINSTANCEDPROC)             \
   X(drawBuffers, DrawBuffers, PFNGLDRAWBUFFERSPROC)                                     \
   X(drawElements, DrawElements, PFNGLDRAWELEMENTSPROC)                                  \
   X(enable, Enable, PFNGLENABLEPROC)                                                    \
@@ -64,6 +66,8 @@
   X(readBuffer, ReadBuffer, PFNGLREADBUFFERPROC)                                        \
   X(readPixels, ReadPixels, PFNGLREADPIXELSPROC)                                        \
   X(shaderSource, ShaderSource, PFNGLSHADERSOURCEPROC)                                  \
+  X(stencilFunc, StencilFunc, PFNGLSTENCILFUNCPROC)                                     \
+  X(stencilOpSeparate, StencilOpSeparate, PFNGLSTENCILOPSEPARATEPROC)                   \
   X(texImage2D, TexImage2D, PFNGLTEXIMAGE2DPROC)                                        \
   X(texParameteri, TexParameteri, PFNGLTEXPARAMETERIPROC)                               \
   X(texStorage2D, TexStorage2D, PFNGLTEXSTORAGE2DPROC)                                  \
@@ -76,6 +80,7 @@
   X(uniform4f, Uniform4f, PFNGLUNIFORM4FPROC)                                           \
   X(uniformMatrix4fv, UniformMatrix4fv, PFNGLUNIFORMMATRIX4FVPROC)                      \
   X(useProgram, UseProgram, PFNGLUSEPROGRAMPROC)                                        \
+  X(vertexAttribDivisor, VertexAttribDivisor, PFNGLVERTEXATTRIBDIVISORPROC)             \
   X(vertexAttribIPointer, VertexAttribIPointer, PFNGLVERTEXATTRIBIPOINTERPROC)          \
   X(vertexAttribPointer, VertexAttribPointer, PFNGLVERTEXATTRIBPOINTERPROC)             \
   X(viewport, Viewport, PFNGLVIEWPORTPROC)

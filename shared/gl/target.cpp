@@ -14,12 +14,16 @@ GLenum sizedFormat(TexelFormat format) {
       return GL_RG8;
     case TexelFormat::kRgba8:
       return GL_RGBA8;
+    case TexelFormat::kRgb10A2:
+      return GL_RGB10_A2;
     case TexelFormat::kR32ui:
       return GL_R32UI;
     case TexelFormat::kRgba32f:
       return GL_RGBA32F;
     case TexelFormat::kDepth32f:
       return GL_DEPTH_COMPONENT32F;
+    case TexelFormat::kDepth24Stencil8:
+      return GL_DEPTH24_STENCIL8;
   }
   return GL_RGBA8;
 }
@@ -62,11 +66,14 @@ Result<Target> Target::create(const Api& api, std::string_view name, const Optio
         target.color_.id(),
         0);
   }
-  if (options.hasDepth) {
-    target.depth_ = makeTexture(api, TexelFormat::kDepth32f, size);
+  if (options.hasDepth || options.hasStencil) {
+    target.depth_ = makeTexture(
+        api,
+        options.hasStencil ? TexelFormat::kDepth24Stencil8 : TexelFormat::kDepth32f,
+        size);
     api.framebufferTexture2D(
         GL_FRAMEBUFFER,
-        GL_DEPTH_ATTACHMENT,
+        options.hasStencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT,
         GL_TEXTURE_2D,
         target.depth_.id(),
         0);

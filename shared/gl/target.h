@@ -12,9 +12,11 @@ enum class TexelFormat {
   kR8,        // one channel, 0 … 1
   kRg8,       // two channels, 0 … 1
   kRgba8,     // four channels, 0 … 1
+  kRgb10A2,   // three channels, 0 … 1, 10 bits each
   kR32ui,     // one 32-bit word
   kRgba32f,   // four floats; not drawn into (GLES 3.0 does not promise it)
   kDepth32f,  // depth, sampled as a float
+  kDepth24Stencil8,
 };
 
 struct TextureSize {
@@ -35,7 +37,8 @@ class Target {
     TextureSize size;
     bool hasColor = true;
     TexelFormat color = TexelFormat::kRgba8;
-    bool hasDepth = false;  // a kDepth32f texture
+    bool hasDepth = false;    // a kDepth32f texture
+    bool hasStencil = false;  // a kDepth24Stencil8 texture instead: depth comes with it
   };
 
   /// Errors: kLimitExceeded (larger than GL_MAX_TEXTURE_SIZE), kUnavailable (incomplete: name says

@@ -174,6 +174,11 @@ TEST(RenderOptions, WrongUsageGetsOneLine) {
         "render --asset a --out x.png --reference r",
         "render --asset a --out",
         "render --asset a --out x.png --camera orbit:1,2 --camera-file c.json",
+        "render --asset a --out x.png --draw clip --contours server",
+        "render --server ws://h:1 --model m --out x.png --contours server",
+        "render --server ws://h:1 --model m --out x.png --draw clip --contours both",
+        "render --server ws://h:1 --model m --out x.png --draw clip --contours server --until exact",
+        "render --asset a --out x.png --draw clip --light 1,2,3",
         "render --mesh a --out x.png --quantization 9"}) {
     const auto parsed = parse(line);
     ASSERT_FALSE(parsed) << line;
@@ -182,11 +187,19 @@ TEST(RenderOptions, WrongUsageGetsOneLine) {
   }
 }
 
+TEST(RenderOptions, ClippingTakesTheOutlineOfEdges) {
+  const auto parsed =
+      parse("render --server ws://h:1 --model m --out x.png --draw clip --contours server");
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  EXPECT_EQ(parsed->render->draw, DrawMode::kClip);
+  EXPECT_EQ(parsed->render->silhouette, SilhouetteKind::kEdges);
+  EXPECT_EQ(parsed->render->contours, SessionMachine::Options::Contours::kServer);
+}
+
 TEST(RenderOptions, WhatComesLaterIsSaidSo) {
   for (const char* line :
        {"view --asset a",
-        "render --asset a --out x.png --draw clip",
-        "render --asset a --out x.png --contours server"}) {
+        "render --asset a --out x.png --draw image-edges"}) {
     const auto parsed = parse(line);
     ASSERT_FALSE(parsed) << line;
     EXPECT_EQ(parsed.error().code, ErrorCode::kUnsupported) << line;

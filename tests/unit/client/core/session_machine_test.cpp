@@ -6,6 +6,7 @@
 
 #include "protocol/framing.h"
 
+#include "shared/codec/contour_codec.h"
 #include "shared/mesh/primitives.h"
 
 #include <gtest/gtest.h>
@@ -26,6 +27,8 @@ struct Bench {
       : machine(options(stop, model)) {
     machine.start(now);
   }
+
+  explicit Bench(const SessionMachine::Options& options) : machine(options) { machine.start(now); }
 
   static SessionMachine::Options options(StopCondition stop, const std::string& model) {
     SessionMachine::Options o;
@@ -417,6 +420,64 @@ TEST(SessionMachine, RefusesAVersionItDidNotOffer) {
   bench.open();
   bench.say(protocol::Welcome{2, "server"});
   EXPECT_EQ(bench.machine.phase(), Phase::kFailed);
+}
+
+SessionMachine::Options exactContours() {
+  SessionMachine::Options options = Bench::options(untilState(MeshState::kBase), "ball");
+  options.contours = SessionMachine::Options::Contours::kServer;
+  options.stop.kind = StopCondition::Kind::kNever;
+  return options;
+}
+
+std::vector<std::uint8_t> triangleContour() {
+  ContourLines lines;
+  lines.points = {{0, 0, 0}, {5, 0, 0}, {0, 5, 0}};
+  lines.lines = {{0, 3, true}};
+  return encodeContour(lines);
+}
+
+TEST(SessionMachine, AsksForOneContourAtATimeAndThenForTheNewestView) {
+  Bench bench(exactContours());
+  bench.start(ball());
+  EXPECT_EQ(bench.count<protocol::GetContour>(), 0);
+  bench.view(1.0);
+  ASSERT_EQ(bench.count<protocol::GetContour>(), 1);
+  EXPECT_EQ(bench.count<protocol::Pose>(), 0);
+  const std::uint32_t first = bench.last<protocol::GetContour>()->id;
+  bench.view(2.0);
+  bench.view(3.0);
+  EXPECT_EQ(bench.count<protocol::GetContour>(), 1);
+  EXPECT_FALSE(bench.machine.hasReached(MeshState::kBase));
+  const auto lines = triangleContour();
+  bench.say(protocol::Contour{0, first, lines});
+  ASSERT_EQ(bench.count<protocol::GetContour>(), 2);
+  const auto* second = bench.last<protocol::GetContour>();
+  EXPECT_DOUBLE_EQ(second->eye.x, 3.0);
+  EXPECT_FALSE(bench.machine.hasReached(MeshState::kBase));
+  bench.say(protocol::Contour{0, second->id, lines});
+  EXPECT_TRUE(bench.machine.hasReached(MeshState::kBase));
+  ASSERT_TRUE(bench.machine.decoder().contour());
+  EXPECT_EQ(bench.machine.decoder().contour()->lines.points.size(), 3U);
+  EXPECT_EQ(bench.machine.contours().answerMs.size(), 2U);
+}
+
+TEST(SessionMachine, AContourThatWasNotAskedForEndsTheConnection) {
+  Bench bench(exactContours());
+  bench.start(ball());
+  bench.view(1.0);
+  const auto lines = triangleContour();
+  bench.say(protocol::Contour{0, bench.last<protocol::GetContour>()->id + 1, lines});
+  EXPECT_EQ(bench.machine.phase(), Phase::kWaiting);
+}
+
+TEST(SessionMachine, AsksForTheContourAgainAfterALoss) {
+  Bench bench(exactContours());
+  bench.start(ball());
+  bench.view(1.0);
+  bench.lose();
+  bench.wait();
+  bench.openModel(ball());
+  EXPECT_EQ(bench.count<protocol::GetContour>(), 2);
 }
 
 }  // namespace

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/render/clip_contours.h"
+#include "client/render/drawing_method.h"
+
+#include "shared/gl/handles.h"
+#include "shared/gl/program.h"
+#include "shared/gl/target.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace limn {
+
+/// Silhouette clipping [Sander00]: a coarse outer hull, lit, cut to the outline of a finer mesh and
+/// antialiased there. The silhouettes are the snapshot's exact contour if it has one, else the
+/// request's lines; they should be those of edges, as the outline of a mesh is.
+/// Where the eye is not outside the hull's convex hull, or a silhouette runs behind it, winding
+/// numbers say nothing: the mesh is drawn instead.
+class ClipMethod final : public DrawingMethod {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<DrawingMethod>> create(DrawTools& tools);
+
+  /// Errors: also kUnavailable when the snapshot has no outer hull.
+  [[nodiscard]] Result<void>
+  draw(const DrawRequest& request, const gl::Target& picture, FrameTimings& timings) override;
+
+ private:
+  explicit ClipMethod(DrawTools& tools) : tools_(tools) {}
+
+  Result<void> uploadHull(const DrawRequest& request);
+  [[nodiscard]] Result<void> drawMesh(const DrawRequest& request, const gl::Target& picture);
+  [[nodiscard]] Camera fitted(const Camera& camera) const;
+  void drawWinding(const ClipContours& contours) const;
+  void drawChange(const ClipContours& contours) const;
+  void drawHull(const DrawRequest& request, const glm::mat4& clipFromCenter) const;
+
+  DrawTools& tools_;
+  gl::Program stencilProgram_;
+  gl::Program levelProgram_;
+  gl::Program edgeProgram_;
+  gl::Program hullProgram_;
+  gl::Program composeProgram_;
+  gl::Target winding_;  // of pixels' middles, as kClipFragment has it, and the stencil buffer
+  gl::Target change_;   // kClipEdgeFragment
+  gl::Target surface_;  // the lit hull
+  gl::Target fine_;     // the mesh, where the eye is inside
+  gl::VertexArray contourArray_;
+  gl::VertexArray edgeArray_;
+  gl::VertexArray hullArray_;
+  gl::Buffer contourPoints_;
+  gl::Buffer contourIndices_;
+  gl::Buffer hullPoints_;
+  gl::Buffer hullIndices_;
+
+  // The hull that is there.
+  std::shared_ptr<const ProgressiveHull> hull_;
+  std::size_t hullSplits_ = 0;
+  std::vector<glm::dvec3> hullModelPoints_;  // model units
+  glm::dvec3 origin_{0.0};                   // of the hull's points on the GPU, grid units
+  GLsizei hullIndexCount_ = 0;
+  GLint subpixelBits_ = 8;
+};
+
+}  // namespace limn

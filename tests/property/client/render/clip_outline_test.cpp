@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Silhouette clipping against the truth: the outline of a 500-face hull cut to the mesh's
+// silhouette, and that of the mesh itself drawn four times as large and reduced.
+#include "client/render/clip_contours.h"
+#include "server/preprocess/hulls/build_hull.h"
+#include "tests/corpus/corpus.h"
+#include "tests/unit/client/render/scene_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace limn {
+namespace {
+
+constexpr int kSize = 320;
+constexpr std::uint32_t kHullFaces = 500;
+
+/// How much of each pixel is covered, found by drawing on black and on white paper.
+std::vector<double> coverage(
+    Renderer& renderer,
+    const MeshSnapshot& snapshot,
+    const PolylineSet& lines,
+    const Camera& camera,
+    RenderOptions options) {
+  options.viewport = {kSize, kSize};
+  std::vector<double> result;
+  for (const float paper : {0.0F, 1.0F}) {
+    options.paper = glm::vec3(paper);
+    const auto frame = renderer.render(snapshot, lines, camera, options);
+    EXPECT_TRUE(frame) << frame.error().message;
+    if (!frame) return {};
+    result.resize(frame->image.rgba.size() / 4);
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      const double value = frame->image.rgba[4 * i + 1] / 255.0;
+      result[i] = paper == 0.0F ? value : 1.0 - (value - result[i]);
+    }
+  }
+  return result;
+}
+
+struct Difference {
+  int leaks = 0;  // covered although the truth has nothing within a pixel
+  int holes = 0;  // not covered although all around is, within a pixel
+  double squares = 0.0;
+  int edgePixels = 0;
+
+  [[nodiscard]] double rmsGrey() const {
+    return 255.0 * std::sqrt(squares / std::max(edgePixels, 1));
+  }
+};
+
+void compare(const std::vector<double>& ours, const std::vector<double>& truth, Difference& d) {
+  const auto at = [&](int x, int y) { return static_cast<std::size_t>(y * kSize + x); };
+  for (int y = 1; y + 1 < kSize; ++y) {
+    for (int x = 1; x + 1 < kSize; ++x) {
+      double least = 1.0;
+      double most = 0.0;
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          least = std::min(least, truth[at(x + dx, y + dy)]);
+          most = std::max(most, truth[at(x + dx, y + dy)]);
+        }
+      }
+      const double t = truth[at(x, y)];
+      const double o = ours[at(x, y)];
+      if (most < 0.01 && o > 0.01) ++d.leaks;
+      if (least > 0.99 && o < 0.99) ++d.holes;
+      if (t > 0.01 && t < 0.99) {
+        d.squares += (o - t) * (o - t);
+        ++d.edgePixels;
+      }
+    }
+  }
+}
+
+MeshSnapshot withHull(const TriangleMesh& mesh) {
+  MeshSnapshot snapshot = snapshotOf(mesh);
+  const auto built = buildHull(mesh, HullSide::kOuter, {.baseFaces = 200});
+  EXPECT_TRUE(built) << built.error().message;
+  if (built) snapshot.outerHull = std::make_shared<const ProgressiveHull>(built->hull);
+  return snapshot;
+}
+
+Difference differenceOf(Renderer& renderer, const MeshSnapshot& snapshot, int views) {
+  Difference difference;
+  for (int view = 0; view < views; ++view) {
+    const Camera camera = orbitCamera(
+        snapshot.model.sphere,
+        360.0 * view / views + 7.0,
+        -60.0 + 37.0 * (view % 4),
+        view % 3 == 0 ? 2.2 : 4.0,
+        40.0);
+    RenderOptions clip;
+    clip.draw = DrawMode::kClip;
+    clip.hullFaces = kHullFaces;
+    RenderOptions shaded;
+    shaded.draw = DrawMode::kShaded;
+    shaded.supersample = 4;
+    const PolylineSet lines = silhouetteOf(snapshot, camera, SilhouetteKind::kEdges);
+    compare(
+        coverage(renderer, snapshot, lines, camera, clip),
+        coverage(renderer, snapshot, {}, camera, shaded),
+        difference);
+  }
+  return difference;
+}
+
+class ClipOutline : public ::testing::Test {
+ protected:
+  void check(const std::string& name, const TriangleMesh& mesh, int views) {
+    if (!renderer_) renderer_ = makeRenderer(GlBackend::kOsmesa);
+    ASSERT_TRUE(renderer_);
+    const Difference d = differenceOf(*renderer_, withHull(mesh), views);
+    std::printf(
+        "%s: %d leaks, %d holes, outline %.1f grey levels rms over %d pixels\n",
+        name.c_str(),
+        d.leaks,
+        d.holes,
+        d.rmsGrey(),
+        d.edgePixels);
+    EXPECT_EQ(d.leaks, 0) << name;
+    EXPECT_EQ(d.holes, 0) << name;
+    // Between black and white, where sixteen samples a pixel are off by some 10 levels themselves.
+    EXPECT_LT(d.rmsGrey(), 18.0) << name;
+    EXPECT_GT(d.edgePixels, 500 * views / 2) << name;
+  }
+
+  std::optional<Renderer> renderer_;
+};
+
+TEST_F(ClipOutline, OfGeneratedShapesIsThatOfTheMesh) {
+  check("bumpy sphere", primitives::bumpySphere(4, 3), 6);
+  check("torus", primitives::torus(60, 30), 6);
+}
+
+TEST_F(ClipOutline, OfModelsIsThatOfTheMesh) {
+  if (!corpus::modelsFolder()) GTEST_SKIP() << corpus::kNoModels;
+  for (const char* name : {"bunny-low.off", "fandisk.off"}) {
+    const corpus::Mesh* mesh = corpus::model(name);
+    if (mesh == nullptr || !mesh->closed) continue;
+    check(name, mesh->mesh, 4);
+  }
+}
+
+TEST_F(ClipOutline, FromInsideTheHullTheMeshIsDrawn) {
+  const MeshSnapshot snapshot = withHull(primitives::torus(60, 30));
+  renderer_ = makeRenderer(GlBackend::kOsmesa);
+  ASSERT_TRUE(renderer_);
+  Camera camera = orbitCamera(snapshot.model.sphere, 20.0, 10.0, 0.2, 60.0);  // in the hole
+  fitDepthRange(snapshot.model.sphere, camera);
+  RenderOptions options;
+  options.viewport = {kSize, kSize};
+  options.draw = DrawMode::kClip;
+  const auto clip = renderer_->render(
+      snapshot,
+      silhouetteOf(snapshot, camera, SilhouetteKind::kEdges),
+      camera,
+      options);
+  options.draw = DrawMode::kShaded;
+  const auto shaded = renderer_->render(snapshot, {}, camera, options);
+  ASSERT_TRUE(clip && shaded);
+  EXPECT_EQ(clip->image.rgba, shaded->image.rgba);
+}
+
+TEST(ClipContours, AnEyeOutsideTheConvexHullIsToldFromOneInside) {
+  std::vector<glm::dvec3> cube;
+  for (int i = 0; i < 8; ++i)
+    cube.emplace_back(i & 1, i >> 1 & 1, i >> 2);
+  EXPECT_TRUE(isOutsideConvexHull({2.0, 0.5, 0.5}, cube));
+  EXPECT_TRUE(isOutsideConvexHull({1.01, 0.99, 0.99}, cube));
+  EXPECT_TRUE(isOutsideConvexHull({1e6, -1e6, 3.0}, cube));
+  EXPECT_FALSE(isOutsideConvexHull({0.99, 0.5, 0.5}, cube));
+  EXPECT_FALSE(isOutsideConvexHull({0.5, 0.5, 0.5}, cube));
+  EXPECT_FALSE(isOutsideConvexHull({1.0, 1.0, 1.0}, cube));
+}
+
+TEST(ClipContours, TrianglesHaveTheLoopAsTheirBorder) {
+  PolylineSet lines;
+  for (int i = 0; i < 11; ++i) {
+    const float angle = 0.57F * static_cast<float>(i);
+    lines.points.emplace_back(0.5F * std::cos(angle), 0.5F * std::sin(angle), 0.0F);
+  }
+  lines.lines.push_back({LineKind::kSilhouette, true, 0, 11});
+  const auto made = clipContoursOf(lines, {glm::dmat4(1.0), {100, 100}, 8});
+  ASSERT_TRUE(made);
+  const ClipContours& contours = *made;
+  ASSERT_EQ(contours.points.size(), 12U);
+  EXPECT_EQ(contours.triangles.size(), 3U * 9U);
+  std::vector<int> balance(12 * 12, 0);
+  for (std::size_t i = 0; i < contours.triangles.size(); ++i) {
+    const std::uint32_t a = contours.triangles[i];
+    const std::uint32_t b = contours.triangles[i % 3 == 2 ? i - 2 : i + 1];
+    ++balance[a * 12 + b];
+    --balance[b * 12 + a];
+  }
+  for (std::uint32_t a = 0; a < 11; ++a) {
+    for (std::uint32_t b = 0; b < 11; ++b) {
+      const int expected = b == (a + 1) % 11 ? 1 : a == (b + 1) % 11 ? -1 : 0;
+      EXPECT_EQ(balance[a * 12 + b], expected) << a << " " << b;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limn
