@@ -17,13 +17,6 @@ constexpr std::int64_t kAheadStepMs = 150;
 constexpr std::uint32_t kAheadQuarters = 3;
 constexpr std::uint32_t kNoLimit = 0xFFFFFFFF;
 
-/// Whether two poses need the same, whatever their ids and goals.
-bool sameView(const protocol::Pose& a, const protocol::Pose& b) {
-  return a.eye == b.eye && a.forward == b.forward && a.up == b.up && a.fovY == b.fovY &&
-         a.orthoHeight == b.orthoHeight && a.width == b.width && a.height == b.height &&
-         a.errorPx == b.errorPx && a.silhouette == b.silhouette;
-}
-
 }  // namespace
 
 Channel::Channel(Request request, std::uint32_t vertexCount, const SessionOptions& options)

@@ -97,4 +97,10 @@ Facing facingOf(const View& view, const SplitBounds& bounds, const SplitCone& co
   return Facing::kStraddling;
 }
 
+bool sameView(const protocol::Pose& a, const protocol::Pose& b) {
+  return a.eye == b.eye && a.forward == b.forward && a.up == b.up && a.fovY == b.fovY &&
+         a.orthoHeight == b.orthoHeight && a.width == b.width && a.height == b.height &&
+         a.errorPx == b.errorPx && a.silhouette == b.silhouette;
+}
+
 }  // namespace limn

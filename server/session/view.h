@@ -46,6 +46,9 @@ struct View {
 /// a few percent for the width of strokes.
 [[nodiscard]] View viewOfPose(const protocol::Pose& pose, const Grid& grid);
 
+/// Whether two poses need the same of a model, whatever their ids and goals.
+[[nodiscard]] bool sameView(const protocol::Pose& a, const protocol::Pose& b);
+
 /// How a normal cone lies to the directions in which a sphere is seen.
 enum class Facing : std::uint8_t { kFront, kStraddling, kBack };
 

@@ -211,11 +211,22 @@ ViewCells::Ticket ViewCells::pose(
     const protocol::Pose& pose,
     Need need,
     const HaveSet& have) {
+  if (auto shared = sharedPose(*model, pose, need, have)) {
+    ++hits_;
+    return shared;
+  }
   const auto job = std::make_shared<Job>();
   const auto result = std::make_shared<std::shared_ptr<const TargetSet>>();
   const std::weak_ptr<Job> wanted = job;
   const bool search = need == Need::kSettled && pendingSearches_ < options_.maxSearches;
   if (search) ++pendingSearches_;
+  std::shared_ptr<PoseEntry> entry;
+  // What bounds say is a makeshift: not for those who come later.
+  if ((search || need == Need::kExact) && options_.keptPoses > 0) {
+    entry = std::make_shared<PoseEntry>(PoseEntry{model->id(), pose, need, have, job, nullptr});
+    poses_.push_front(entry);
+    if (poses_.size() > options_.keptPoses) poses_.pop_back();
+  }
   tasks_.submit(
       [model, pose, need, search, have, wanted, result] {
         if (wanted.expired()) return;
@@ -224,12 +235,32 @@ ViewCells::Ticket ViewCells::pose(
                                              : boundedSetOf(*model, pose);
         *result = std::make_shared<const TargetSet>(std::move(set));
       },
-      [this, search, wanted, result] {
+      [this, search, wanted, result, entry] {
         if (search) --pendingSearches_;
         if (*result) ++computed_;
+        if (entry) entry->set = *result;
         if (const auto still = wanted.lock()) still->set = std::move(*result);
       });
   return job;
+}
+
+ViewCells::Ticket ViewCells::sharedPose(
+    const Model& model,
+    const protocol::Pose& pose,
+    Need need,
+    const HaveSet& have) {
+  const auto found = std::ranges::find_if(poses_, [&](const auto& entry) {
+    return entry->need == need && entry->have.count() == have.count() &&
+           sameView(entry->pose, pose) && entry->asset == model.id() &&
+           std::ranges::equal(entry->have.words(), have.words());
+  });
+  if (found == poses_.end()) return nullptr;
+  const std::shared_ptr<PoseEntry> entry = *found;
+  poses_.erase(found);
+  Ticket ticket = entry->job.lock();
+  if (entry->set) ticket = std::make_shared<const Job>(Job{entry->set});
+  if (ticket) poses_.push_front(entry);
+  return ticket;
 }
 
 ViewCells::ContourTicket ViewCells::contour(

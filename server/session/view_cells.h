@@ -35,6 +35,7 @@ struct ViewCellOptions {
   std::size_t cacheBytes = std::size_t{256} << 20;
   std::size_t maxPending = 64;  // cells beyond that are not started
   std::size_t maxSearches = 4;  // contour searches at a time; beyond, bounds of splits decide
+  std::size_t keptPoses = 8;    // sets of single poses that are kept for others
 };
 
 /// Computes on workers: target sets of cells, cached and shared by all sessions, and of single
@@ -57,7 +58,9 @@ class ViewCells {
 
   /// What exactly this pose needs besides `have` (words as in HaveSet, closed, with the base). For
   /// kSettled nothing else may be added to `have` meanwhile: it is searched for on the mesh that
-  /// the client will then have.
+  /// the client will then have. Clients that hold the same and stand at the same place, a crowd
+  /// that comes to a model's first view, share one set: it is computed once, and the last few are
+  /// kept.
   [[nodiscard]] Ticket pose(
       const std::shared_ptr<const Model>& model,
       const protocol::Pose& pose,
@@ -99,12 +102,26 @@ class ViewCells {
     std::shared_ptr<Job> job;
   };
 
+  /// What a single pose needs of a client that holds `have`.
+  struct PoseEntry {
+    Sha256Digest asset{};
+    protocol::Pose pose;
+    Need need = Need::kSettled;
+    HaveSet have;
+    std::weak_ptr<const Job> job;          // of the last who asked
+    std::shared_ptr<const TargetSet> set;  // once computed
+  };
+
   void evict();
+  /// The set of an equal pose, there or on its way; null: nobody asked yet, or nobody wants it.
+  [[nodiscard]] Ticket
+  sharedPose(const Model& model, const protocol::Pose& pose, Need need, const HaveSet& have);
 
   TaskRunner& tasks_;
   ViewCellOptions options_;
   std::list<Entry> entries_;  // most recently used first
   std::unordered_map<Key, std::list<Entry>::iterator, KeyHash> byKey_;
+  std::list<std::shared_ptr<PoseEntry>> poses_;  // most recently used first
   std::size_t bytes_ = 0;
   std::size_t pendingCells_ = 0;
   std::size_t pendingSearches_ = 0;

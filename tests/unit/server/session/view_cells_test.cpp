@@ -133,5 +133,46 @@ TEST(ViewCells, ADroppedTicketIsNotComputed) {
   EXPECT_NE(ticket->set, nullptr);
 }
 
+TEST(ViewCells, ClientsWhoHoldTheSameAndStandTogetherShareOneSet) {
+  ManualTasks tasks;
+  ViewCells cells(tasks, {.keptPoses = 2});
+  const protocol::Pose pose = poseAt(sphere()->info(), {0, 0, 1});
+  const HaveSet have = baseOf(*sphere());
+  using enum ViewCells::Need;
+  const auto first = cells.pose(sphere(), pose, kSettled, have);
+  protocol::Pose again = pose;
+  again.id = pose.id + 7;
+  const auto second = cells.pose(sphere(), again, kSettled, have);
+  EXPECT_EQ(tasks.runAll(), 1U);
+  ASSERT_NE(first->set, nullptr);
+  EXPECT_EQ(second->set, first->set);
+  const auto late = cells.pose(sphere(), pose, kSettled, have);
+  EXPECT_EQ(late->set, first->set) << "at once";
+  EXPECT_EQ(tasks.pending(), 0U);
+
+  const auto expectOwn = [&](const protocol::Pose& p, ViewCells::Need need, const HaveSet& h) {
+    const auto ticket = cells.pose(sphere(), p, need, h);
+    EXPECT_EQ(tasks.runAll(), 1U);
+    EXPECT_NE(ticket->set, nullptr);
+    EXPECT_NE(ticket->set, first->set);
+  };
+  expectOwn(pose, kExact, have);
+  HaveSet more = have;
+  more.add(sphere()->forest().baseVertexCount());
+  expectOwn(pose, kSettled, more);
+  expectOwn(pose, kSettled, have);  // forgotten by now
+}
+
+TEST(ViewCells, ASharedSetIsComputedWhileAnybodyWantsIt) {
+  ManualTasks tasks;
+  ViewCells cells(tasks, {});
+  const protocol::Pose pose = poseAt(sphere()->info(), {0, 0, 1});
+  auto first = cells.pose(sphere(), pose, ViewCells::Need::kExact, baseOf(*sphere()));
+  const auto second = cells.pose(sphere(), pose, ViewCells::Need::kExact, baseOf(*sphere()));
+  first = nullptr;
+  tasks.runAll();
+  EXPECT_NE(second->set, nullptr);
+}
+
 }  // namespace
 }  // namespace limn
