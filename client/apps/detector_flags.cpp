@@ -25,8 +25,9 @@ void DetectorFlags::addTo(CLI::App& app) {
   number("--reseed-every", coherence.reseedEvery, 0, 1'000'000, "coherence: frames (30; 0: once)");
   number("--reseed-below", coherence.reseedBelow, 0.0, 1.0, "coherence: or under this share (0)");
   app.add_option("--reseed-with", reseedWith_, "coherence: brute|random (brute)")->group(kGroup);
-  number("--seed-viewpoints", options_.seedViewpoints, 1, 1000, "precomputed: nearest ones (3)");
+  number("--seed-viewpoints", options_.seedViewpoints, 1, 1000, "precomputed: nearest ones (5)");
   number("--seed-walk", options_.seedSearchSteps, 1, 1000, "precomputed: steps from a seed (24)");
+  number("--seed-motion", options_.seedMotionRings, 0, 100, "precomputed: faces on (1)");
   number("--image-rings", options_.imageRings, 0, 100, "image: how far around to look (1)");
 }
 

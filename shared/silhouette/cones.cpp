@@ -187,6 +187,56 @@ ConesDetector::ConesDetector(
   if (order != Order::kLastFrameFirst) return;
   for (const silhouette::ConeTree& tree : forest_->trees())
     lastFrames_.push_back({{}, std::vector<std::uint8_t>(tree.leafCount(), 0)});
+  if (options.seeds != nullptr) placeSeeds(options);
+}
+
+// Finds the leaf that each seed lies in, by one of its faces.
+void ConesDetector::placeSeeds(const DetectorOptions& options) {
+  const HalfEdgeMesh& mesh = field_->mesh();
+  seeds_ = SeedSlots(*options.seeds, options.slotOf, mesh.vertexCount());
+  seedViewpoints_ = options.seedViewpoints;
+  std::vector<Place> faces(mesh.faceCount());
+  for (std::uint32_t v = 0; v < seeds_.viewpointCount(); ++v) {
+    for (const std::uint32_t slot : seeds_.seedsOf(v)) {
+      if (mesh.outgoing[slot] != kNone) faces[HalfEdgeMesh::face(mesh.outgoing[slot])].slot = slot;
+    }
+  }
+  for (std::uint32_t t = 0; t < forest_->trees().size(); ++t) {
+    const silhouette::ConeTree& tree = forest_->trees()[t];
+    const auto place = [&](FaceId f, std::size_t leaf) {
+      if (faces[f].slot == kNone) return;
+      seedPlaces_.push_back({faces[f].slot, t, static_cast<std::uint32_t>(leaf)});
+      faces[f].slot = kNone;  // the first is enough
+    };
+    for (std::size_t i = 0; i < tree.siteFaces.size(); ++i)
+      place(tree.siteFaces[i], i / silhouette::kLeafSites);
+    for (std::size_t l = 0; l < tree.faceLeaves.size(); ++l) {
+      const silhouette::FaceLeaf& leaf = tree.faceLeaves[l];
+      for (std::size_t i = 0; i < leaf.itemCount; ++i)
+        place(tree.faces[leaf.itemBegin + i], l);
+    }
+  }
+  std::sort(seedPlaces_.begin(), seedPlaces_.end(), [](const Place& a, const Place& b) {
+    return a.slot < b.slot;
+  });
+}
+
+// Lets the first frame believe that there were silhouettes where the seeds are. Once only.
+void ConesDetector::startFromSeeds(const glm::vec3& toEye) {
+  for (const std::uint32_t v : seeds_.nearest(toEye, seedViewpoints_)) {
+    for (const std::uint32_t slot : seeds_.seedsOf(v)) {
+      const auto at = std::lower_bound(
+          seedPlaces_.begin(),
+          seedPlaces_.end(),
+          slot,
+          [](const Place& place, std::uint32_t wanted) { return place.slot < wanted; });
+      if (at == seedPlaces_.end() || at->slot != slot) continue;
+      lastFrames_[at->tree].hits.push_back(at->leaf);
+      ++result_.stats.seedsTried;
+    }
+  }
+  seeds_ = {};
+  seedPlaces_ = {};
 }
 
 const SilhouetteResult& ConesDetector::detect(const SilhouetteView& view) {
@@ -194,6 +244,7 @@ const SilhouetteResult& ConesDetector::detect(const SilhouetteView& view) {
   result_.edges.clear();
   result_.faces.clear();
   result_.stats = {};
+  if (!seedPlaces_.empty()) startFromSeeds(glm::vec3(field_->eyeOf(view)));
   for (std::size_t t = 0; t < forest_->trees().size(); ++t)
     searchTree(view, t);
   result_.stats.segments = static_cast<std::uint32_t>(result_.edges.size() + result_.faces.size());

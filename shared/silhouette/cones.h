@@ -3,6 +3,7 @@
 
 #include "shared/silhouette/cone_forest.h"
 #include "shared/silhouette/detector.h"
+#include "shared/silhouette/seed_slots.h"
 
 #include <cstdint>
 #include <memory>
@@ -26,9 +27,9 @@ struct OpenLeaf {
 /// Finds every silhouette, as brute force does, but skips clusters that anchored cones prove to be
 /// all front or all back [Sander00]. Exact: see README.md.
 ///
-/// kExact starts where silhouettes were in the last frame, as far as the cones still allow, and
-/// then audits the other clusters that may hold some: while the camera moves a little, nearly
-/// everything is found before the audit.
+/// kExact starts where silhouettes were in the last frame, in the first one where prepared seeds of
+/// the nearest viewpoints lie, as far as the cones allow, and then audits the other clusters that
+/// may hold some: while the camera moves a little, nearly everything is found before the audit.
 class ConesDetector final : public SilhouetteDetector {
  public:
   enum class Order : std::uint8_t { kTree, kLastFrameFirst };
@@ -53,6 +54,8 @@ class ConesDetector final : public SilhouetteDetector {
   void searchTree(const SilhouetteView& view, std::size_t index);
   void openTree(const silhouette::Query& query);
   void putFirst(LastFrame& last);
+  void placeSeeds(const DetectorOptions& options);
+  void startFromSeeds(const glm::vec3& toEye);
 
   const SilhouetteField* field_;
   VectorCode vectorCode_;
@@ -63,6 +66,17 @@ class ConesDetector final : public SilhouetteDetector {
   std::vector<silhouette::OpenLeaf> open_;
   std::vector<silhouette::OpenLeaf> others_;
   std::vector<LastFrame> lastFrames_;  // kLastFrameFirst: by tree
+  // kLastFrameFirst, for the first frame: seeds, and by vertex slot of a seed the tree and leaf.
+  SeedSlots seeds_;
+
+  struct Place {
+    std::uint32_t slot = kNone;
+    std::uint32_t tree = 0;
+    std::uint32_t leaf = 0;
+  };
+
+  std::vector<Place> seedPlaces_;  // by slot
+  int seedViewpoints_ = 0;
   SilhouetteResult result_;
 };
 

@@ -100,12 +100,15 @@ struct CoherenceOptions {
 enum class VectorCode : std::uint8_t { kPortable, kAvx2, kAvx512 };
 
 struct DetectorOptions {
-  /// kPrecomputed: seeds, and where the mesh holds their vertices (empty: slot = id). `seeds` must
-  /// outlive the detector; `slotOf` is only called while it is being made.
+  /// kPrecomputed, kExact: seeds, and where the mesh holds their vertices (empty: slot = id).
+  /// `seeds` must outlive the detector; `slotOf` is only called while it is being made.
   const SeedTable* seeds = nullptr;
   SlotLookup slotOf = {};
-  int seedViewpoints = 3;    // kPrecomputed: how many of the nearest viewpoints give seeds
+  int seedViewpoints = 5;    // kPrecomputed: how many of the nearest viewpoints give seeds
   int seedSearchSteps = 24;  // kPrecomputed: vertices to walk from a seed before giving it up
+  /// kPrecomputed: go on, too, from where silhouettes were in the last frame: where one has left,
+  /// look so many faces on in the direction of the camera's motion; 0: do not.
+  int seedMotionRings = 1;
 
   RandomSeedOptions random;    // kRandom, and kCoherence… when reseeding with it
   CoherenceOptions coherence;  // kCoherenceA, kCoherenceB

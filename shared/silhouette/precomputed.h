@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/silhouette/seed_slots.h"
 #include "shared/silhouette/tracer.h"
 
 #include <vector>
@@ -8,7 +9,7 @@
 namespace limn {
 
 /// Starts from seeds that were prepared for the viewpoints nearest to the eye, walks from each to a
-/// silhouette, and traces that [Mohr13 §3.2.4].
+/// silhouette, and traces that [Mohr13 §3.2.4]; and goes on from the last frame's.
 class PrecomputedDetector final : public SeededDetector {
  public:
   PrecomputedDetector(const SilhouetteField& field, const DetectorOptions& options);
@@ -19,15 +20,15 @@ class PrecomputedDetector final : public SeededDetector {
 
  private:
   void search(const SilhouetteView& view) override;
-  void chooseViewpoints(const glm::vec3& toEye);
+  void followMotion();
 
   int viewpoints_;
   int steps_;
-  // Constant after construction: viewpoints, and the slots of each one's seeds.
-  std::vector<glm::vec3> directions_;
-  std::vector<std::uint32_t> slotBegin_;
-  std::vector<std::uint32_t> slots_;
-  std::vector<std::uint32_t> nearest_;
+  int motionRings_;
+  SeedSlots seeds_;
+  // The last frame.
+  std::vector<FaceId> lastFaces_;
+  glm::vec4 lastEye_{0.0F};
 };
 
 }  // namespace limn

@@ -265,10 +265,12 @@ class Bench:
             self.table.add("silhouette, " + row["row"], mesh, row["ours"], row["reference"] or None, row["target"] or None,
                            row["unit"])
         script = pathlib.Path(__file__).resolve().parent / "vtk_silhouette.py"
+        # Debian's module is for Debian's Python, which need not be the one that runs this.
+        python = "/usr/bin/python3" if os.access("/usr/bin/python3", os.X_OK) else sys.executable
         for name in names:
             if name not in cones:
                 continue
-            run = subprocess.run([sys.executable, str(script), str(self.files[name])], capture_output=True, text=True)
+            run = subprocess.run([python, str(script), str(self.files[name])], capture_output=True, text=True)
             if run.returncode:
                 print("silhouette: no rows against VTK: " + (run.stderr.strip().splitlines() or ["it failed"])[-1])
                 break

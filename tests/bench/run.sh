@@ -14,7 +14,21 @@ cmake --preset release -DLIMN_BUILD_TESTS=ON -DLIMN_BUILD_BENCH=ON >build/releas
   cat build/release/configure.log >&2
   exit 1
 }
-cmake --build --preset release --target limn-codec-bench limn-hull-bench limn-prepare limn-server limn-client limn-load limn-visibility-bench limn-device-visibility-bench limn-selection-bench limn-delivery-bench limn-simplify-bench limn-silhouette-bench >build/release/bench-build.log 2>&1 || {
+# What the groups asked for need.
+targets=
+for group in "$@"; do
+  case $group in
+    silhouette) targets="$targets limn-silhouette-bench" ;;
+    visibility) targets="$targets limn-visibility-bench limn-device-visibility-bench" ;;
+    hull) targets="$targets limn-hull-bench" ;;
+    simplify) targets="$targets limn-prepare limn-simplify-bench" ;;
+    stream) targets="$targets limn-prepare limn-server limn-client limn-codec-bench limn-selection-bench" ;;
+    server) targets="$targets limn-prepare limn-server limn-load limn-delivery-bench" ;;
+  esac
+done
+[ -n "$targets" ] || targets="limn-codec-bench limn-hull-bench limn-prepare limn-server limn-client limn-load limn-visibility-bench limn-device-visibility-bench limn-selection-bench limn-delivery-bench limn-simplify-bench limn-silhouette-bench"
+# shellcheck disable=SC2086 # a list
+cmake --build --preset release --target $targets >build/release/bench-build.log 2>&1 || {
   tail -n 40 build/release/bench-build.log >&2
   echo "run.sh: the build failed (above)" >&2
   exit 1

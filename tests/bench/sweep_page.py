@@ -4,15 +4,18 @@ thesis (Silhouette Rendering on Mobile Devices, Graz 2013, chapter 5), on meshes
   LIMN_BIN=build/release/bin LIMN_MODELS=../shared/models python3 tests/bench/sweep_page.py [FOLDER]"""
 
 import csv
+import math
 import os
 import pathlib
+import random
 import statistics
 import subprocess
 import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
-MESHES = ("torus-2304.off", "torus-4608.ply", "torus-8192.ply", "bunny-low.off")
+MESHES = ("torus-2304.off", "torus-4608.ply", "torus-8192.ply", "bunny-low.off", "turbine-blade.ply")
+KNOT = "rough-knot-400k"
 FINDINGS = """
 | the thesis (2013, Java, 1,589 to 21,334 faces) | here |
 |---|---|
@@ -26,6 +29,39 @@ FINDINGS = """
 """
 
 
+def write_knot(path, segments=2500, sides=80, roughness=0.002):
+    """A (2,3) torus knot whose vertices are a little off, 400,000 faces: tests/corpus/torus_knots."""
+    def curve(t):
+        r = 2 + math.cos(3 * t)
+        return (r * math.cos(2 * t), r * math.sin(2 * t), math.sin(3 * t))
+
+    def unit(v):
+        return [c / math.hypot(*v) for c in v]
+
+    def cross(u, v):
+        return (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
+
+    noise = random.Random(1)
+    with open(path, "w") as out:
+        for i in range(segments):
+            t = 2 * math.pi * i / segments
+            center = curve(t)
+            tangent = unit([a - b for a, b in zip(curve(t + 1e-4), curve(t - 1e-4))])
+            side = unit(cross(tangent, center))
+            outward = cross(side, tangent)
+            for j in range(sides):
+                a = 2 * math.pi * j / sides
+                radius = 0.35 * (1 + roughness * noise.uniform(-1, 1))
+                out.write("v %.7f %.7f %.7f\n" % tuple(
+                    c + radius * (math.cos(a) * o - math.sin(a) * s) for c, o, s in zip(center, outward, side)))
+        for i in range(segments):
+            for j in range(sides):
+                here, right = i * sides + j + 1, (i + 1) % segments * sides + j + 1
+                up, across = i * sides + (j + 1) % sides + 1, (i + 1) % segments * sides + (j + 1) % sides + 1
+                out.write("f %d %d %d\nf %d %d %d\n" % (here, right, across, here, across, up))
+    return path
+
+
 def main(folder):
     models = pathlib.Path(os.environ.get("LIMN_MODELS", HERE.parents[2] / "shared" / "models"))
     client = pathlib.Path(os.environ.get("LIMN_BIN", "build/release/bin")) / "limn-client"
@@ -35,6 +71,7 @@ def main(folder):
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="limn-sweep-") as scratch:
         table = pathlib.Path(scratch) / "sweep.csv"
+        meshes.append(write_knot(pathlib.Path(scratch) / (KNOT + ".obj")))
         command = [client, "sweep", "--frames", "400", "--detectors", "all", "--size", "128x128", "--csv", table,
                    "--plot", folder / "silhouette_sweep.svg"]
         for mesh in meshes:
@@ -48,7 +85,8 @@ def main(folder):
              "Written by `python3 tests/bench/sweep_page.py`; one core of the machine that ran it, one sweep. Smooth",
              "silhouettes, parameters as in the thesis. Time: median ms a frame (image: a picture of 128 x 128). Recall: mean /",
              "worst frame, in % of the segments that brute force finds. The thesis's own scans are not public; the tori are like",
-             "its own.", "The plots are in silhouette_sweep.svg, written beside this page.", ""]
+             "its own, the blade and the knot ten and twenty times its largest.", "",
+             "The plots are in silhouette_sweep.svg, written beside this page by the same command.", ""]
     detectors = list(dict.fromkeys(row["detector"] for row in rows))
     lines += ["| mesh, faces | " + " | ".join(detectors) + " |", "|---" * (len(detectors) + 1) + "|"]
     for (mesh, faces), found in series.items():

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/preprocess/forest/build_forest.h"
 #include "server/preprocess/seeds/build_seeds.h"
+#include "server/preprocess/seeds/viewpoint_grid.h"
 #include "tests/corpus/corpus.h"
 #include "tests/property/shared/silhouette/views.h"
 
@@ -12,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -100,11 +102,13 @@ TEST(Seeds, AreVerticesOfTheMeshWithTheirAncestorsBeforeThem) {
   const SplitForest forest = forestOf(primitives::bumpySphere(4, 7));
   const auto seeds = seedsOf(forest);
   ASSERT_TRUE(seeds) << seeds.error().message;
-  EXPECT_EQ(seeds->directions.size(), 40U);
-  ASSERT_EQ(seeds->seedBegin.size(), 41U);
+  // The grid, and up to half as many where the contours change fast.
+  EXPECT_GE(seeds->directions.size(), 40U);
+  EXPECT_LE(seeds->directions.size(), 60U);
+  ASSERT_EQ(seeds->seedBegin.size(), seeds->directions.size() + 1);
   EXPECT_EQ(seeds->seedBegin.front(), 0U);
   EXPECT_EQ(seeds->seedBegin.back(), seeds->seeds.size());
-  for (std::size_t v = 0; v < 40; ++v) {
+  for (std::size_t v = 0; v < seeds->directions.size(); ++v) {
     EXPECT_NEAR(glm::length(seeds->directions[v]), 1.0F, 1e-5F);
     EXPECT_GT(seeds->seedBegin[v + 1], seeds->seedBegin[v]);
     EXPECT_LE(seeds->seedBegin[v + 1] - seeds->seedBegin[v], SeedOptions{}.seedsPerView);
@@ -157,6 +161,62 @@ TEST(Seeds, LeadToSilhouettesAtEveryStateOfRefinement) {
   }
 }
 
+TEST(Seeds, MoreViewpointsStandWhereTheGridsSeedsLeadToLeast) {
+  const SplitForest forest = forestOf(primitives::bumpySphere(5, 7));
+  SeedOptions plain;
+  plain.extraViewpoints = 0.0;
+  const auto grid = seedsOf(forest, plain);
+  const auto denser = seedsOf(forest);
+  ASSERT_TRUE(grid && denser);
+  EXPECT_EQ(grid->directions.size(), 40U);
+  EXPECT_GT(denser->directions.size(), 40U);
+  const ActiveMesh mesh = partOf(forest, forest.vertexCount());
+  const TriangleMesh shape = fullMesh(forest);
+  const BoundingSphere sphere = boundingSphere(shape.grid, shape.positions);
+  double without = 0.0;
+  double with = 0.0;
+  for (const SilhouetteKind kind : {SilhouetteKind::kEdges, SilhouetteKind::kSmooth}) {
+    const SilhouetteField field(mesh.mesh(), mesh.positions(), kind);
+    const auto brute = makeDetector(DetectorMethod::kBrute, field);
+    const auto recallAt = [&](const SeedTable& seeds, const SilhouetteView& view) {
+      DetectorOptions options;
+      options.seeds = &seeds;
+      options.slotOf = [&](VertexId v) { return mesh.slotOf(v); };
+      const auto detector = makeDetector(DetectorMethod::kPrecomputed, field, options);
+      return recall(detector->detect(view), brute->detect(view));
+    };
+    for (std::size_t v = 40; v < denser->directions.size(); ++v) {
+      SilhouetteView view;
+      view.eye = shape.grid.fromModel(
+          sphere.center + 3.0 * sphere.radius * glm::dvec3(denser->directions[v]));
+      without += recallAt(*grid, view);
+      with += recallAt(*denser, view);
+    }
+  }
+  EXPECT_GT(with, without);
+}
+
+TEST(ViewpointGrid, IsMadeDenserInItsWorstCellsOnly) {
+  // All is lost around azimuth 100, elevation 20, nothing elsewhere.
+  const auto lossAt = [](const Viewpoint& at) {
+    return std::max(0.0, 1.0 - 0.02 * std::hypot(at.azimuth - 100.0, at.elevation - 20.0));
+  };
+  std::vector<Viewpoint> added;
+  densify(8, 5, {.most = 10}, lossAt, [&](const Viewpoint& at) { added.push_back(at); });
+  ASSERT_EQ(added.size(), 10U);
+  for (const Viewpoint& at : added)
+    EXPECT_GT(lossAt(at), 0.0);
+  added.clear();
+  densify(
+      8,
+      5,
+      {.most = 10},
+      [](const Viewpoint&) { return 0.0; },
+      [&](const Viewpoint& at) { added.push_back(at); });
+  EXPECT_TRUE(added.empty());
+  EXPECT_EQ(viewpointGrid(8, 5).size(), 40U);
+}
+
 TEST(Seeds, RecallOnARealScanIsReported) {
   const corpus::Mesh* scan = corpus::model("bunny-low.off");
   if (scan == nullptr) GTEST_SKIP() << corpus::kNoModels;
@@ -186,6 +246,31 @@ TEST(Seeds, RefusesArgumentsThatDisagree) {
   EXPECT_FALSE(buildSeeds(cube, {}, 9));
   const VertexId later[] = {7};
   EXPECT_FALSE(buildSeeds(cube, later, 7));
+}
+
+TEST(Seeds, ExactStartsFromThemAndFindsEverything) {
+  const SplitForest forest = forestOf(primitives::bumpySphere(4, 7));
+  const auto seeds = seedsOf(forest);
+  ASSERT_TRUE(seeds);
+  const ActiveMesh mesh = partOf(forest, forest.vertexCount() / 2);
+  DetectorOptions options;
+  options.seeds = &*seeds;
+  options.slotOf = [&](VertexId v) { return mesh.holds(v) ? mesh.slotOf(v) : kNone; };
+  TriangleMesh shape{forest.grid, {}, {}};
+  shape.positions.assign(mesh.positions().begin(), mesh.positions().end());
+  for (const SilhouetteKind kind : {SilhouetteKind::kEdges, SilhouetteKind::kSmooth}) {
+    const SilhouetteField field(mesh.mesh(), mesh.positions(), kind);
+    const auto brute = makeDetector(DetectorMethod::kBrute, field);
+    const auto exact = makeDetector(DetectorMethod::kExact, field, options);
+    bool isFirst = true;
+    for (const SilhouetteView& view : testing::randomViews(shape, 10, 3)) {
+      const SilhouetteResult& found = exact->detect(view);
+      EXPECT_EQ(found.stats.seedsTried > 0, isFirst);
+      EXPECT_EQ(recall(found, brute->detect(view)), 1.0);
+      EXPECT_EQ(found.stats.segments, brute->detect(view).stats.segments);
+      isFirst = false;
+    }
+  }
 }
 
 TEST(Seeds, PrecomputedWithoutSeedsFindsNothing) {
