@@ -63,9 +63,11 @@ void FastBinWriter::finish(std::vector<std::uint8_t>& bytes) {
   // A symbol moves at most two bytes out of the coder's state, and its end takes up to three.
   stream_.resize(std::max(stream_.size(), 2 * count_ + 4));
   std::uint8_t* out = stream_.data();
+  const std::uint16_t* const begins = begins_.data();
+  const std::uint16_t* const sizes = sizes_.data();
   std::uint32_t state = kInitialState;
   for (std::size_t i = count_; i-- > 0;) {
-    const std::uint32_t size = sizes_[i];
+    const std::uint32_t size = sizes[i];
     while (state >= size << 10) {
       *out++ = static_cast<std::uint8_t>(state);
       state >>= 8;
@@ -74,7 +76,7 @@ void FastBinWriter::finish(std::vector<std::uint8_t>& bytes) {
         size >= kLeastInverse
             ? static_cast<std::uint32_t>(std::uint64_t{state} * kInverses[size] >> kInverseShift)
             : state / size;
-    state += begins_[i] + quotient * (4096 - size);
+    state += begins[i] + quotient * (4096 - size);
   }
   // How many bytes the state takes stands in the last one's two top bits.
   state -= kInitialState;
