@@ -300,7 +300,10 @@ class Bench:
         self.prepare(name)
         work = json.loads(harness.run("limn-delivery-bench", self.store, name))
         self.table.add("pose, target set cached", name, work["pose_us"], None, 20, "us")
-        self.table.add("  each split sent", name, work["split_ns"], None, 100, "ns")
+        self.table.add("  one that sends, besides splits", name, work["usual"]["us"], None, 20, "us")
+        self.table.add("  each split sent", name, work["usual"]["ns"], None, 100, "ns")
+        self.table.add("  each split sent that others got", name, work["shared"]["ns"], None, 100, "ns")
+        self.table.add("  each split sent for the first time", name, work["first"]["ns"], None, None, "ns")
         clients, hold = (10, 5) if self.quick else (50, 30)
         script, out = self.folder / "load.toml", self.folder / "load.json"
         script.write_text('decode = 0.01\n[[phase]]\nclients = %d\nramp_s = 5\nhold_s = %d\nmodel = "%s"\n'
