@@ -97,6 +97,7 @@ class Painter {
     options.brush = options_.brush;
     options.hidden = options_.hidden;
     options.lineColor = options_.lineColor;
+    options.light = options_.light;
     options.lineFade = options_.lineFade;
     options.firstLayer = options_.firstLayer;
     options.hullFaces = options_.hullFaces;

@@ -119,8 +119,6 @@ Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& option
   if (const auto mode = parseDrawMode(raw.draw)) {
     options.draw = *mode;
   } else {
-    const bool known = raw.draw == "image-edges" || raw.draw == "geometry-shader";
-    if (known) return later("--draw " + raw.draw);
     return tl::unexpected(mode.error().within("--draw"));
   }
   options.detectorName = raw.detector;
@@ -255,7 +253,9 @@ void addRender(CLI::App& app, RenderCommandOptions& o, RawFlags& raw) {
   app.add_option(
       "--draw",
       raw.draw,
-      "strokes|shaded|clip|image-precision:wireframe|…:translate|…:z-scale|…:offset|…:fatten|…:"
+      "strokes|shaded|clip|image-edges|geometry-shader|conditional-lines|image-precision:wireframe|"
+      "…:"
+      "translate|…:z-scale|…:offset|…:fatten|…:"
       "charcoal");
   app.add_option(
       "--detector",

@@ -4,11 +4,11 @@
 // Deviations: see client/render/README.md, "Silhouettes from back faces".
 #include "client/render/back_faces_method.h"
 
+#include "client/render/face_uniforms.h"
 #include "client/render/shaders/back_face_shaders.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <string>
 
 namespace limn {
@@ -31,7 +31,7 @@ struct Sources {
 
 Sources sourcesOf(DrawMode mode) {
   using namespace shaders;
-  const std::string common(kFaceCommon);
+  const std::string common = std::string(kEs300) + std::string(kFaceCommon);
   switch (mode) {
     case DrawMode::kBackWireframe:
       return {"wireframe back faces", common + std::string(kWireframeMain), kLineFragment};
@@ -84,7 +84,7 @@ Result<std::unique_ptr<DrawingMethod>> BackFacesMethod::create(DrawMode mode, Dr
 
 Result<void> BackFacesMethod::compile() {
   using namespace shaders;
-  const std::string common(kFaceCommon);
+  const std::string common = std::string(kEs300) + std::string(kFaceCommon);
   const Sources sources = sourcesOf(mode_);
   auto program = gl::Program::build(tools_.api(), sources.name, sources.vertex, sources.fragment);
   if (!program) return tl::unexpected(program.error());
@@ -116,7 +116,8 @@ BackFacesMethod::draw(const DrawRequest& request, const gl::Target& picture, Fra
   const gl::Api& api = tools_.api();
   const gl::Target::Options options{.size = request.fineSize(), .hasDepth = true};
   if (auto ok = tools_.fit(fine_, "the supersampled picture", options); !ok) return ok;
-  if (auto ok = faces_.upload(api, request.snapshot, tools_.mesh().center()); !ok) return ok;
+  const auto uploaded = faces_.upload(api, request.snapshot, tools_.mesh().center());
+  if (!uploaded) return tl::unexpected(uploaded.error());
   if (mode_ == DrawMode::kBackCharcoal) faces_.uploadNormals(request.snapshot);
   if (auto ok = drawFirstLayer(request); !ok) return ok;
   api.enable(GL_DEPTH_TEST);
@@ -196,48 +197,8 @@ void BackFacesMethod::drawBackFaces(const DrawRequest& request) const {
 }
 
 void BackFacesMethod::use(const gl::Program& program, const DrawRequest& request) const {
-  const gl::Api& api = tools_.api();
-  const RenderOptions& options = request.options;
-  const Camera& camera = request.camera;
-  const ModelDescription& model = request.snapshot.model;
-  const glm::dvec3 center = model.grid.toModel(tools_.mesh().center());
-  const glm::dvec3 forward = camera.forward();
-  const glm::dvec3 eye = (camera.eye - center) / model.grid.step;
-  const double reference = glm::distance(camera.eye, camera.target) / model.grid.step;
-  const double nearest =
-      glm::dot(model.sphere.center - model.sphere.radius * forward - camera.eye, forward);
-
-  program.use();
-  program.set("positions", 0);
-  program.set("corners", 1);
-  program.set("firstLayer", 2);
-  program.set("normals", 3);
-  gl::bindTexture(api, 0, faces_.positions());
-  gl::bindTexture(api, 1, faces_.corners());
-  gl::bindTexture(api, 2, faces_.marks());
-  if (faces_.normals()) gl::bindTexture(api, 3, faces_.normals());
+  useFaceProgram(program, request, tools_, faces_);
   program.set("useFirstLayer", usesMarks_ ? 1 : 0);
-  program.set(
-      "clipFromCenter",
-      tools_.mesh().clipFromCenter(request.snapshot, camera, fine_.size()));
-  program.set("eye", glm::vec3(eye));
-  program.set("forward", glm::vec3(forward));
-  program.set("orthographic", camera.orthographic ? 1 : 0);
-  program.set(
-      "depthRange",
-      glm::vec2(nearest / model.grid.step, 2.0 * model.sphere.radius / model.grid.step));
-  program.set("pictureSize", glm::vec2(options.viewport.width, options.viewport.height));
-  program.set(
-      "width",
-      glm::vec2(
-          request.lineWidthPx(),
-          options.widthModelUnits ? 1.0F : static_cast<float>(options.widthFalloff)));
-  program.set("referenceDistance", static_cast<float>(reference));
-  const double halfHeight = reference * std::tan(glm::radians(0.5 * camera.fovDegrees));
-  program.set("pixelSize", static_cast<float>(2.0 * halfHeight / options.viewport.height));
-  program.set("line", options.lineColor.value_or(request.style.style.visible.color));
-  program.set("paper", request.paper);
-  program.set("fading", static_cast<float>(options.lineFade));
 }
 
 void BackFacesMethod::drawFaces() const {

@@ -141,7 +141,7 @@ Camera ClipMethod::fitted(const Camera& camera) const {
 Result<void> ClipMethod::drawMesh(const DrawRequest& request, const gl::Target& picture) {
   const gl::Target::Options options{.size = request.fineSize(), .hasDepth = true};
   if (auto ok = tools_.fit(fine_, "the supersampled picture", options); !ok) return ok;
-  tools_.mesh().drawShaded(request.snapshot, request.camera, fine_, request.paper);
+  tools_.mesh().drawShaded(request.snapshot, request.camera, fine_, {.background = request.paper});
   tools_.reduce(fine_.color(), request.supersample, picture);
   return {};
 }
@@ -201,7 +201,7 @@ void ClipMethod::drawHull(const DrawRequest& request, const glm::mat4& clipFromC
   const gl::Api& api = tools_.api();
   hullProgram_.use();
   hullProgram_.set("clipFromCenter", clipFromCenter);
-  hullProgram_.set("light", MeshPass::lightOf(request.camera));
+  hullProgram_.set("light", glm::vec4(MeshPass::lightOf(request.camera), 0.0F));
   hullProgram_.set("surface", MeshPass::kSurface);
   api.enable(GL_DEPTH_TEST);
   api.depthFunc(GL_LESS);

@@ -16,6 +16,9 @@ struct ModeName {
 constexpr std::array kModes = {
     ModeName{DrawMode::kStrokes, "strokes", true},
     ModeName{DrawMode::kShaded, "shaded", false},
+    ModeName{DrawMode::kImageEdges, "image-edges", false},
+    ModeName{DrawMode::kGeometryShader, "geometry-shader", false},
+    ModeName{DrawMode::kConditionalLines, "conditional-lines", false},
     ModeName{DrawMode::kBackWireframe, "image-precision:wireframe", false},
     ModeName{DrawMode::kBackTranslate, "image-precision:translate", false},
     ModeName{DrawMode::kBackZScale, "image-precision:z-scale", false},

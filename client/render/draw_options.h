@@ -17,8 +17,12 @@ namespace limn {
 
 /// How a frame is drawn: `--draw NAME`.
 enum class DrawMode {
-  kStrokes,  // stylised lines on paper
-  kShaded,   // the mesh, lit; no lines
+  kStrokes,     // stylised lines on paper
+  kShaded,      // the mesh, lit; no lines
+  kImageEdges,  // where depth or normals of the picture jump
+  // Silhouette edges found by shaders from adjacency.
+  kGeometryShader,    // a geometry shader's where GL has one, else as the next
+  kConditionalLines,  // a vertex shader's
   // Image-precision silhouettes: back faces, changed so that they show around the front.
   kBackWireframe,  // their edges
   kBackTranslate,  // nearer by a fixed amount
@@ -62,6 +66,8 @@ struct RenderOptions {
   Brush brush;                // leads strokes off their lines
   HiddenLines hidden = HiddenLines::kStyle;
   std::optional<glm::vec3> lineColor;  // sRGB 0 … 1; the style's own when unset. Not of strokes
+  std::optional<glm::dvec3> light;  // a place in model coordinates; silhouettes that shaders find
+                                    // are those it sees, shaded meshes are lit from there
   double lineFade = 0.0;  // share of their darkness lines lose at the far end. Not of strokes
   FirstLayer firstLayer = FirstLayer::kAuto;
   std::optional<glm::vec3> paper;  // background, sRGB 0 … 1; the style's own when unset

@@ -3,6 +3,8 @@
 
 #include "client/render/back_faces_method.h"
 #include "client/render/clip_method.h"
+#include "client/render/edge_lines_method.h"
+#include "client/render/image_edges_method.h"
 #include "client/render/shaded_method.h"
 #include "client/render/strokes_method.h"
 #include "client/stroke/stroke_builder.h"
@@ -25,6 +27,11 @@ Result<std::unique_ptr<DrawingMethod>> makeDrawingMethod(DrawMode mode, DrawTool
       return StrokesMethod::create(tools);
     case DrawMode::kShaded:
       return ShadedMethod::create(tools);
+    case DrawMode::kImageEdges:
+      return ImageEdgesMethod::create(tools);
+    case DrawMode::kGeometryShader:
+    case DrawMode::kConditionalLines:
+      return EdgeLinesMethod::create(mode, tools);
     case DrawMode::kBackWireframe:
     case DrawMode::kBackTranslate:
     case DrawMode::kBackZScale:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace limn {
@@ -20,6 +21,16 @@ constexpr Layout kBytes{gl::TexelFormat::kR8, GL_RED, GL_UNSIGNED_BYTE};
 
 int rowsFor(std::size_t entries) {
   return std::max(1, static_cast<int>((entries + FaceTextures::kRow - 1) / FaceTextures::kRow));
+}
+
+Result<void> checkRows(const gl::Api& api, std::size_t entries) {
+  GLint largest = 0;
+  api.getIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  if (rowsFor(entries) <= largest) return {};
+  return fail(
+      ErrorCode::kLimitExceeded,
+      "the mesh is too large for this GL's textures (" + std::to_string(entries) +
+          " indices): use --draw strokes");
 }
 
 /// A texture of `entries`, padded to whole rows.
@@ -44,22 +55,17 @@ gl::Texture makeRows(const gl::Api& api, const Layout& layout, std::vector<Entry
 
 }  // namespace
 
-Result<void>
+Result<bool>
 FaceTextures::upload(const gl::Api& api, const MeshSnapshot& snapshot, const glm::ivec3& center) {
   const std::vector<std::uint32_t>& origins = snapshot.mesh.mesh().origins;
   const auto positions = snapshot.mesh.positions();
   const int faces = static_cast<int>(origins.size() / 3);
   if (api_ != nullptr && asset_ == snapshot.model.asset && revision_ == snapshot.revision &&
       vertices_ == positions.size() && faces_ == faces) {
-    return {};
+    return false;
   }
-  GLint largest = 0;
-  api.getIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-  if (rowsFor(std::max(origins.size(), positions.size())) > largest) {
-    return fail(
-        ErrorCode::kLimitExceeded,
-        "this GL's textures hold " + std::to_string(static_cast<long long>(largest) * kRow / 3) +
-            " faces, the mesh has " + std::to_string(faces) + ": use --draw strokes");
+  if (auto ok = checkRows(api, std::max(origins.size(), positions.size())); !ok) {
+    return tl::unexpected(ok.error());
   }
   api_ = &api;
   asset_ = snapshot.model.asset;
@@ -74,7 +80,7 @@ FaceTextures::upload(const gl::Api& api, const MeshSnapshot& snapshot, const glm
   positions_ = makeRows(api, kVectors, std::move(relative));
   corners_ = makeRows(api, kWords, origins);
   marks_ = makeRows(api, kBytes, std::vector<std::uint8_t>(1));
-  return {};
+  return true;
 }
 
 void FaceTextures::uploadNormals(const MeshSnapshot& snapshot) {
@@ -99,6 +105,11 @@ void FaceTextures::uploadNormals(const MeshSnapshot& snapshot) {
 
 void FaceTextures::uploadMarks(std::span<const std::uint8_t> marks) {
   marks_ = makeRows(*api_, kBytes, std::vector<std::uint8_t>(marks.begin(), marks.end()));
+}
+
+Result<gl::Texture> makeIndexTexture(const gl::Api& api, std::vector<std::uint32_t> indices) {
+  if (auto ok = checkRows(api, indices.size()); !ok) return tl::unexpected(ok.error());
+  return makeRows(api, kWords, std::move(indices));
 }
 
 }  // namespace limn

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace limn {
 
@@ -17,9 +18,10 @@ class FaceTextures {
  public:
   static constexpr int kRow = 2048;  // every GLES 3.0 has textures so wide
 
-  /// Uploads the snapshot's mesh unless it is there. center: MeshPass::center().
+  /// Uploads the snapshot's mesh unless it is there; returns whether it did. center:
+  /// MeshPass::center().
   /// Errors: kLimitExceeded (more corners than a texture of this GL holds).
-  [[nodiscard]] Result<void>
+  [[nodiscard]] Result<bool>
   upload(const gl::Api& api, const MeshSnapshot& snapshot, const glm::ivec3& center);
 
   /// The same of unit vertex normals, the mean of the faces' by area, for the mesh uploaded last.
@@ -51,5 +53,10 @@ class FaceTextures {
   int faces_ = 0;
   bool hasNormals_ = false;
 };
+
+/// Any other indices in the same rows, kR32ui. Errors: kLimitExceeded.
+[[nodiscard]] Result<gl::Texture> makeIndexTexture(
+    const gl::Api& api,
+    std::vector<std::uint32_t> indices);
 
 }  // namespace limn

@@ -118,14 +118,20 @@ void MeshPass::drawShaded(
     const MeshSnapshot& snapshot,
     const Camera& camera,
     const gl::Target& target,
-    const glm::vec3& background) const {
+    const Shading& shading) const {
   target.bind();
+  const glm::vec3& background = shading.background;
   api_->clearColor(background.x, background.y, background.z, 1.0F);
   api_->clearDepthf(1.0F);
   api_->depthMask(GL_TRUE);
   api_->clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   shadedProgram_.use();
-  shadedProgram_.set("light", lightOf(camera));
+  glm::vec4 light(lightOf(camera), 0.0F);
+  if (shading.light) {
+    const Grid& grid = snapshot.model.grid;
+    light = glm::dvec4((*shading.light - grid.toModel(center_)) / grid.step, 1.0);
+  }
+  shadedProgram_.set("light", light);
   shadedProgram_.set("surface", kSurface);
   draw(snapshot, camera, target, shadedProgram_);
 }

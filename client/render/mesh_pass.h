@@ -8,6 +8,8 @@
 #include "shared/gl/program.h"
 #include "shared/gl/target.h"
 
+#include <optional>
+
 namespace limn {
 
 /// The mesh on the GPU, drawn for its depth or lit.
@@ -28,12 +30,27 @@ class MeshPass {
   /// Draws depth into target.depth().
   void drawDepth(const MeshSnapshot& snapshot, const Camera& camera, const gl::Target& target)
       const;
-  /// Draws the lit mesh on `background`.
+
+  struct Shading {
+    glm::vec3 background{1.0F};
+    std::optional<glm::dvec3> light = std::nullopt;  // a place, model coordinates; unset: above
+                                                     // the viewer's left shoulder
+  };
+
+  /// Draws the lit mesh.
   void drawShaded(
       const MeshSnapshot& snapshot,
       const Camera& camera,
       const gl::Target& target,
-      const glm::vec3& background) const;
+      const Shading& shading) const;
+
+  /// Draws the faces, depth-tested, with `program` (of shaders::kMeshVertex, in use) into `target`,
+  /// which is bound and cleared.
+  void draw(
+      const MeshSnapshot& snapshot,
+      const Camera& camera,
+      const gl::Target& target,
+      const gl::Program& program) const;
 
   /// Grid place that the uploaded positions are relative to.
   [[nodiscard]] const glm::ivec3& center() const { return center_; }
@@ -43,12 +60,6 @@ class MeshPass {
   clipFromCenter(const MeshSnapshot& snapshot, const Camera& camera, gl::TextureSize size) const;
 
  private:
-  void draw(
-      const MeshSnapshot& snapshot,
-      const Camera& camera,
-      const gl::Target& target,
-      const gl::Program& program) const;
-
   const gl::Api* api_ = nullptr;
   gl::Program depthProgram_;
   gl::Program shadedProgram_;

@@ -11,7 +11,11 @@ Result<void>
 ShadedMethod::draw(const DrawRequest& request, const gl::Target& picture, FrameTimings&) {
   const gl::Target::Options options{.size = request.fineSize(), .hasDepth = true};
   if (auto ok = tools_.fit(fine_, "the supersampled picture", options); !ok) return ok;
-  tools_.mesh().drawShaded(request.snapshot, request.camera, fine_, request.paper);
+  tools_.mesh().drawShaded(
+      request.snapshot,
+      request.camera,
+      fine_,
+      {.background = request.paper, .light = request.options.light});
   tools_.reduce(fine_.color(), request.supersample, picture);
   return {};
 }

@@ -190,6 +190,9 @@ class Bench {
       DrawMode::kBackOffset,
       DrawMode::kBackFatten,
       DrawMode::kBackCharcoal,
+      DrawMode::kImageEdges,
+      DrawMode::kGeometryShader,
+      DrawMode::kConditionalLines,
   };
 
   static std::vector<View> findTruth(const MeshSnapshot& snapshot) {

@@ -4,12 +4,14 @@
 #include <string_view>
 
 /// Silhouettes from back faces [Raskar99]: vertex shaders that read whole faces from textures by
-/// gl_VertexID, so that each corner knows the other two without adjacency. A program is
-/// kFaceCommon + one of the mains below, with kLineFragment or kGreyFragment.
+/// gl_VertexID, so that each corner knows the other two without adjacency. A vertex shader is
+/// kEs300, kFaceCommon and one of the mains below; kLineFragment or kGreyFragment goes with it.
 namespace limn::shaders {
 
+inline constexpr std::string_view kEs300 = "#version 300 es\n";
+
 /// Rows of the mesh's textures, see client/render/face_textures.h.
-inline constexpr std::string_view kFaceCommon = R"(#version 300 es
+inline constexpr std::string_view kFaceCommon = R"(
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -27,7 +29,6 @@ uniform vec2 depthRange;      // distance along `forward` where fading begins, a
 uniform vec2 pictureSize;     // pixels that widths count in
 uniform vec2 width;           // of lines, pixels, at the reference distance; and its falloff
 uniform float referenceDistance;
-out highp float fade;
 const vec4 kNowhere = vec4(2.0, 2.0, 2.0, 1.0);
 ivec2 place(int i) {
   int row = textureSize(positions, 0).x;
@@ -63,6 +64,7 @@ vec4 movedBy(vec4 clip, vec2 pixels) {
 /// Edges of back faces as quads: `width` pixels wide and half as much longer at each end. Four
 /// vertices an edge, see FacePattern.
 inline constexpr std::string_view kWireframeMain = R"(
+out highp float fade;
 uniform vec2 pull;
 void main() {
   int face = firstFace + gl_VertexID / 12;
@@ -161,11 +163,13 @@ void main() {
 
 /// What kFattenMain tells the fragment shader, for lines; goes before it.
 inline constexpr std::string_view kFattenLine = R"(
+out highp float fade;
 void finish(uint v, vec3 p) { fade = fadeAt(p); }
 )";
 
 /// And for charcoal: the paper's grey, (1 + V·N) / 3; goes before kFattenMain or kGreyMain.
 inline constexpr std::string_view kFattenGrey = R"(
+out highp float fade;
 uniform sampler2D normals;  // a texel a vertex, unit
 uniform vec2 tone;          // the grey's factor, and its upper bound
 out highp float grey;
@@ -214,7 +218,6 @@ inline constexpr std::string_view kFaceNumberMain = R"(
 flat out uint face;
 void main() {
   face = uint(gl_VertexID) / 3u + 1u;
-  fade = 0.0;
   gl_Position = clipFromCenter * vec4(positionAt(vertexAt(gl_VertexID)), 1.0);
 }
 )";
@@ -223,7 +226,6 @@ inline constexpr std::string_view kFaceNumberFragment = R"(#version 300 es
 precision highp float;
 precision highp int;
 flat in uint face;
-in highp float fade;
 out vec4 color;
 void main() {
   color = vec4(uvec4(face, face >> 8, face >> 16, face >> 24) & 255u) / 255.0;

@@ -23,16 +23,17 @@ precision highp float;
 void main() {}
 )";
 
-/// Lambert from a light above the viewer's left shoulder, by face normals.
+/// Lambert by face normals.
 inline constexpr std::string_view kShadedFragment = R"(#version 300 es
 precision highp float;
 in highp vec3 place;
-uniform vec3 light;    // unit, towards the light, in the mesh's axes
+uniform vec4 light;    // in the mesh's axes; w 0: direction towards it, unit; w 1: its place
 uniform vec3 surface;  // colour
 out vec4 color;
 void main() {
   vec3 n = normalize(cross(dFdx(place), dFdy(place)));
-  float lit = 0.30 + 0.70 * max(dot(n, light), 0.0);
+  vec3 towards = light.w > 0.0 ? normalize(light.xyz - place) : light.xyz;
+  float lit = 0.30 + 0.70 * max(dot(n, towards), 0.0);
   color = vec4(surface * lit, 1.0);
 }
 )";

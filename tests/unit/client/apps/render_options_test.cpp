@@ -177,7 +177,8 @@ TEST(RenderOptions, WrongUsageGetsOneLine) {
         "render --asset a --out x.png --draw clip --contours server",
         "render --server ws://h:1 --model m --out x.png --contours server",
         "render --server ws://h:1 --model m --out x.png --draw clip --contours both",
-        "render --server ws://h:1 --model m --out x.png --draw clip --contours server --until exact",
+        "render --server ws://h:1 --model m --out x.png --draw clip --contours server --until "
+        "exact",
         "render --asset a --out x.png --draw clip --light 1,2,3",
         "render --mesh a --out x.png --quantization 9"}) {
     const auto parsed = parse(line);
@@ -197,13 +198,24 @@ TEST(RenderOptions, ClippingTakesTheOutlineOfEdges) {
 }
 
 TEST(RenderOptions, WhatComesLaterIsSaidSo) {
-  for (const char* line :
-       {"view --asset a",
-        "render --asset a --out x.png --draw image-edges"}) {
-    const auto parsed = parse(line);
-    ASSERT_FALSE(parsed) << line;
-    EXPECT_EQ(parsed.error().code, ErrorCode::kUnsupported) << line;
-    EXPECT_NE(parsed.error().message.find("is not in this release"), std::string::npos) << line;
+  const auto parsed = parse("view --asset a");
+  ASSERT_FALSE(parsed);
+  EXPECT_EQ(parsed.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(parsed.error().message.find("is not in this release"), std::string::npos);
+}
+
+TEST(RenderOptions, EveryWayToDrawIsParsed) {
+  for (const char* name :
+       {"strokes",
+        "shaded",
+        "clip",
+        "image-edges",
+        "geometry-shader",
+        "conditional-lines",
+        "image-precision:charcoal"}) {
+    const auto parsed = parse(std::string("render --asset a --out x.png --draw ") + name);
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    EXPECT_EQ(nameOf(parsed->render->draw), name);
   }
 }
 
