@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/line_finder.h"
 
+#include "shared/mesh/cracks.h"
+
 #include <chrono>
 #include <utility>
 
@@ -94,8 +96,13 @@ LineFinder::LineFinder(
   if (options.features.crease && options.silhouette == SilhouetteKind::kSmooth) {
     creaseContours_.emplace(field_, features);
   }
-  const PolylineSet all =
-      chainFeatures(snapshot_->mesh.mesh(), snapshot_->mesh.positions(), features);
+  Cracks cracks = findCracks(snapshot_->mesh.mesh(), snapshot_->mesh.positions());
+  acrossCracks_ = std::move(cracks.across);
+  const PolylineSet all = chainFeatures(
+      snapshot_->mesh.mesh(),
+      snapshot_->mesh.positions(),
+      features,
+      {.cracks = cracks.kinds});
   for (const PolylineSet::Line& line : all.lines) {
     if (isChosen(line.kind, options.features)) appendLine(all, line, features_);
   }
@@ -125,13 +132,17 @@ LineFinder::Lines LineFinder::find(const Camera& camera) {
   result.lines = silhouettes;
   for (PolylineSet::Line& line : result.lines.lines)
     line.onSurface = light_.has_value();
-  appendFeatures(silhouettes, result.lines);
+  appendFeatures(silhouettes, view, result.lines);
   if (surfaceLines_) surfaceLines_->append(view, result.lines);
   return result;
 }
 
-/// Features but for those that are silhouettes from here: each edge is drawn once.
-void LineFinder::appendFeatures(const PolylineSet& silhouettes, PolylineSet& lines) {
+/// Features but for those that are silhouettes from here: each edge is drawn once. A cracked crease
+/// whose sides face differently is no silhouette to any detector, but as strong as a border.
+void LineFinder::appendFeatures(
+    const PolylineSet& silhouettes,
+    const SilhouetteView& view,
+    PolylineSet& lines) {
   const HalfEdgeMesh& mesh = snapshot_->mesh.mesh();
   const std::span<const glm::ivec3> positions = snapshot_->mesh.positions();
   const auto markContours = [&](std::uint8_t mark) {
@@ -151,11 +162,33 @@ void LineFinder::appendFeatures(const PolylineSet& silhouettes, PolylineSet& lin
     }
   };
   markContours(1);
+  const auto isFront = [&](FaceId face) {
+    const glm::dvec3 a(positions[mesh.origin(3 * face)]);
+    const glm::dvec3 n = glm::cross(
+        glm::dvec3(positions[mesh.origin(3 * face + 1)]) - a,
+        glm::dvec3(positions[mesh.origin(3 * face + 2)]) - a);
+    return glm::dot(n, view.orthographic ? -view.forward : view.eye - a) > 0.0;
+  };
+  const auto isOutline = [&](HalfEdgeId h) {
+    const FaceId across = acrossCracks_[h];
+    return across != kNone && isFront(HalfEdgeMesh::face(h)) != isFront(across);
+  };
   for (const PolylineSet::Line& line : features_.lines) {
-    const auto isWanted = [&](std::uint32_t point) {
-      return isContour_[features_.halfEdges[point]] == 0;
+    bool hasOutline = false;
+    const auto isPlain = [&](std::uint32_t point) {
+      const HalfEdgeId h = features_.halfEdges[point];
+      if (isOutline(h)) hasOutline = true;
+      return isContour_[h] == 0 && !isOutline(h);
     };
-    appendWanted(features_, line, isWanted, lines);
+    appendWanted(features_, line, isPlain, lines);
+    if (!hasOutline) continue;
+    PolylineSet::Line outline = line;
+    outline.kind = LineKind::kBorder;
+    appendWanted(
+        features_,
+        outline,
+        [&](std::uint32_t point) { return isOutline(features_.halfEdges[point]); },
+        lines);
   }
   markContours(0);
 }

@@ -57,7 +57,8 @@ class LineFinder {
   [[nodiscard]] const MeshSnapshot& snapshot() const { return *snapshot_; }
 
  private:
-  void appendFeatures(const PolylineSet& silhouettes, PolylineSet& lines);
+  void
+  appendFeatures(const PolylineSet& silhouettes, const SilhouetteView& view, PolylineSet& lines);
   [[nodiscard]] SilhouetteView viewOf(const Camera& camera);
 
   std::shared_ptr<const MeshSnapshot> snapshot_;
@@ -68,6 +69,7 @@ class LineFinder {
   SilhouetteChainer chainer_;
   std::optional<CreaseContours> creaseContours_;  // where creases are drawn
   PolylineSet features_;
+  std::vector<FaceId> acrossCracks_;          // Cracks::across
   std::optional<SurfaceLines> surfaceLines_;  // if any are asked for
   std::vector<std::uint8_t> isContour_;       // by half-edge; all 0 between calls
 };

@@ -3,6 +3,7 @@
 
 #include "client/stroke/polyline.h"
 
+#include "shared/mesh/cracks.h"
 #include "shared/mesh/half_edge.h"
 #include "shared/silhouette/detector.h"
 #include "shared/silhouette/field.h"
@@ -64,6 +65,8 @@ class SilhouetteChainer {
 };
 
 struct FeatureChainOptions {
+  /// One entry a half-edge, or empty: none. Those that are creases are chained as such.
+  std::span<const Crack> cracks = {};
   /// A line breaks where it would turn by more than this (degrees).
   double cornerAngleDegrees = 60.0;
 };

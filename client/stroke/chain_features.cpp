@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/chain.h"
 
-#include "shared/mesh/cracks.h"
 #include "shared/progressive/vertex_split.h"
 
 #include <algorithm>
@@ -26,8 +25,9 @@ bool isOfKind(
     std::span<const Crack> cracks,
     HalfEdgeId h) {
   if (mesh.twins[h] == kNone) {
-    return (kind == LineKind::kBorder && cracks[h] == Crack::kNot) ||
-           (kind == LineKind::kCrease && cracks[h] == Crack::kCrease);
+    const Crack crack = cracks.empty() ? Crack::kNot : cracks[h];
+    return (kind == LineKind::kBorder && crack == Crack::kNot) ||
+           (kind == LineKind::kCrease && crack == Crack::kCrease);
   }
   if (features.empty() || h > mesh.twins[h]) return false;
   const bool isCrease = (features[h] & kFeatureCrease) != 0;
@@ -197,12 +197,11 @@ PolylineSet chainFeatures(
   PolylineSet set;
   const auto cosCorner =
       static_cast<float>(std::cos(options.cornerAngleDegrees * std::numbers::pi / 180.0));
-  const std::vector<Crack> cracks = findCracks(mesh, positions);
   Places places(mesh, positions);
   for (const LineKind kind : {LineKind::kCrease, LineKind::kSeam, LineKind::kBorder}) {
     FeatureGraph graph;
     for (HalfEdgeId h = 0; h < mesh.origins.size(); ++h) {
-      if (isOfKind(kind, mesh, features, cracks, h)) graph.edges.push_back(h);
+      if (isOfKind(kind, mesh, features, options.cracks, h)) graph.edges.push_back(h);
     }
     pairEnds(mesh, positions, cosCorner, places, graph);
     emitLines(mesh, positions, kind, graph, set);

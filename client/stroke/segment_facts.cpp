@@ -55,16 +55,19 @@ bool SegmentJudge::isFront(FaceId face) const {
   return glm::dot(normal(face), towardEye(corner(3 * face))) > 0.0;
 }
 
-glm::dvec3 SegmentJudge::project(const glm::dvec3& p) const {
-  const glm::dvec4 clip =
-      clipFromGrid_[0] * p.x + clipFromGrid_[1] * p.y + clipFromGrid_[2] * p.z + clipFromGrid_[3];
+glm::dvec4 SegmentJudge::clipOf(const glm::dvec3& p) const {
+  return clipFromGrid_[0] * p.x + clipFromGrid_[1] * p.y + clipFromGrid_[2] * p.z +
+         clipFromGrid_[3];
+}
+
+glm::dvec3 SegmentJudge::project(const glm::dvec4& clip) const {
   return clip.w > 0.0 ? pixelFromClip(clip, scene_.viewport) : glm::dvec3(0.0);
 }
 
 float SegmentJudge::slopeBias(FaceId face, float reachPx) const {
   std::array<glm::dvec3, 3> corners{};
   for (HalfEdgeId k = 0; k < 3; ++k) {
-    const glm::dvec4 clip = clipFromGrid_ * glm::dvec4(corner(3 * face + k), 1.0);
+    const glm::dvec4 clip = clipOf(corner(3 * face + k));
     if (!(clip.w > 0.0)) return static_cast<float>(floor_);
     corners[k] = pixelFromClip(clip, scene_.viewport);
   }
@@ -98,8 +101,10 @@ SegmentFacts SegmentJudge::judgeSmooth(FaceId face, std::uint32_t point, std::ui
   // The line may lie on a face turned away, under the faces around it: as deep as its own face is
   // across the line. Along it the line's own depth goes with the face: a rod's long faces reach
   // far.
-  const glm::dvec3 start = project(from);
-  const glm::dvec2 course = glm::dvec2(project(from + along)) - glm::dvec2(start);
+  const glm::dvec4 clipFrom = clipOf(from);
+  const glm::dvec4 clipTo = clipOf(from + along);
+  const glm::dvec2 start(project(clipFrom));
+  const glm::dvec2 course = glm::dvec2(project(clipTo)) - start;
   const double coursePx = glm::length(course);
   const glm::dvec2 outward =
       coursePx > 1e-6 ? glm::dvec2(-course.y, course.x) / coursePx : glm::dvec2(0.0);
@@ -109,11 +114,12 @@ SegmentFacts SegmentJudge::judgeSmooth(FaceId face, std::uint32_t point, std::ui
   double standOut = 0.0;
   for (const glm::dvec3& corner : {a, b, c}) {
     const double share = length2 > 0.0 ? glm::dot(corner - from, along) / length2 : 0.0;
-    const glm::dvec3 there = project(corner);
-    const double rise = there.z - project(from + share * along).z;
+    const glm::dvec3 there = project(clipOf(corner));
+    const glm::dvec4 foot = clipFrom + share * (clipTo - clipFrom);
+    const double rise = foot.w > 0.0 ? there.z - 0.5 * (foot.z / foot.w + 1.0) : 0.0;
     nearest = std::min(nearest, rise);
     farthest = std::max(farthest, rise);
-    standOut = std::max(standOut, glm::dot(glm::dvec2(there - start), outward));
+    standOut = std::max(standOut, glm::dot(glm::dvec2(there) - start, outward));
   }
   facts.bias = static_cast<float>(floor_ + farthest - nearest);
   facts.standOutPx = static_cast<float>(std::min(standOut, kMostStandOutPx));

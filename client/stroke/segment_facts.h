@@ -44,8 +44,9 @@ class SegmentJudge {
       const;
   /// Depth that face may rise within reachPx of a line on it, at most its own depth range.
   [[nodiscard]] float slopeBias(FaceId face, float reachPx) const;
+  [[nodiscard]] glm::dvec4 clipOf(const glm::dvec3& p) const;
   /// Pixels and window depth; all 0 behind the eye.
-  [[nodiscard]] glm::dvec3 project(const glm::dvec3& p) const;
+  [[nodiscard]] glm::dvec3 project(const glm::dvec4& clip) const;
 
   const PolylineSet& lines_;
   LineScene scene_;

@@ -39,26 +39,31 @@ class CrackSearch {
         cosine_(std::cos(options.sharpDegrees * std::numbers::pi / 180.0)),
         backToBack_(std::cos(kBackToBackDegrees * std::numbers::pi / 180.0)) {}
 
-  std::vector<Crack> run() {
-    std::vector<Crack> cracks(mesh_.origins.size(), Crack::kNot);
+  Cracks run() {
+    Cracks out;
+    out.kinds.assign(mesh_.origins.size(), Crack::kNot);
+    out.across.assign(mesh_.origins.size(), kNone);
     collect();
-    if (borders_.empty()) return cracks;
+    if (borders_.empty()) return out;
     enter();
+    std::vector<Side> sides;
     for (std::uint32_t i = 0; i < borders_.size(); ++i)
-      cracks[borders_[i].edge] = crackOf(i, [](std::uint32_t) { return true; });
-    // Of the borders along one crease the longest ones stay.
-    std::vector<Crack> all = cracks;
+      sides.push_back(sideOf(i, [](std::uint32_t) { return true; }));
     for (std::uint32_t i = 0; i < borders_.size(); ++i) {
-      if (all[borders_[i].edge] != Crack::kCrease) continue;
-      const bool isCovered = crackOf(i, [&](std::uint32_t other) {
-                               const double own = borders_[i].length;
-                               const double others = borders_[other].length;
-                               return all[borders_[other].edge] == Crack::kCrease &&
-                                      (others > own || (others == own && other < i));
-                             }) != Crack::kNot;
-      if (isCovered) cracks[borders_[i].edge] = Crack::kInvisible;
+      Side side = sides[i];
+      // Of the borders along one crease the longest ones stay.
+      const double own = borders_[i].length;
+      const auto isOwner = [&](std::uint32_t other) {
+        return sides[other].crack == Crack::kCrease &&
+               (borders_[other].length > own || (borders_[other].length == own && other < i));
+      };
+      if (side.crack == Crack::kCrease && sideOf(i, isOwner).crack != Crack::kNot)
+        side.crack = Crack::kInvisible;
+      out.kinds[borders_[i].edge] = side.crack;
+      if (side.crack == Crack::kCrease)
+        out.across[borders_[i].edge] = HalfEdgeMesh::face(borders_[side.border].edge);
     }
-    return cracks;
+    return out;
   }
 
  private:
@@ -104,22 +109,29 @@ class CrackSearch {
     entries_.erase(std::unique(entries_.begin(), entries_.end()), entries_.end());
   }
 
-  /// As much of a crack as its least part; only borders that count are on the other side.
+  /// What is on the other side of a border: which other one, if any.
+  struct Side {
+    Crack crack = Crack::kNot;
+    std::uint32_t border = kNone;
+  };
+
+  /// As much of a crack as its least part, the border at its middle; only those that count.
   template <class Counts>
-  [[nodiscard]] Crack crackOf(std::uint32_t self, Counts counts) const {
-    Crack whole = Crack::kInvisible;
+  [[nodiscard]] Side sideOf(std::uint32_t self, Counts counts) const {
+    Side whole{Crack::kInvisible, kNone};
     for (const double t : kPlaces) {
-      const Crack here = crackAt(self, borders_[self].from + t * borders_[self].along, counts);
-      if (here == Crack::kNot) return here;
-      if (here == Crack::kCrease) whole = here;
+      const Side here = sideAt(self, borders_[self].from + t * borders_[self].along, counts);
+      if (here.crack == Crack::kNot) return here;
+      if (here.crack == Crack::kCrease) whole.crack = here.crack;
+      if (whole.border == kNone || t <= 0.5) whole.border = here.border;
     }
     return whole;
   }
 
   /// How the surface goes on at p, a place on border `self`: smoothly, if on any other's face.
   template <class Counts>
-  [[nodiscard]] Crack crackAt(std::uint32_t self, const glm::dvec3& p, Counts counts) const {
-    Crack best = Crack::kNot;
+  [[nodiscard]] Side sideAt(std::uint32_t self, const glm::dvec3& p, Counts counts) const {
+    Side best;
     for (int dx = -1; dx <= 1; ++dx) {
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dz = -1; dz <= 1; ++dz) {
@@ -131,8 +143,8 @@ class CrackSearch {
           for (; entry != entries_.end() && entry->first == cell; ++entry) {
             if (entry->second == self || !counts(entry->second)) continue;
             const Crack crack = crackTo(borders_[self], borders_[entry->second], p);
-            if (crack == Crack::kInvisible) return crack;
-            if (crack == Crack::kCrease) best = crack;
+            if (crack == Crack::kInvisible) return {crack, entry->second};
+            if (crack == Crack::kCrease) best = {crack, entry->second};
           }
         }
       }
@@ -166,7 +178,7 @@ class CrackSearch {
 
 }  // namespace
 
-std::vector<Crack> findCracks(
+Cracks findCracks(
     const HalfEdgeMesh& mesh,
     std::span<const glm::ivec3> positions,
     const CrackOptions& options) {

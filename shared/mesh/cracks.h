@@ -18,6 +18,12 @@ enum class Crack : std::uint8_t {
   kCrease,     // across it the surface goes on at an angle
 };
 
+/// One entry a half-edge.
+struct Cracks {
+  std::vector<Crack> kinds;
+  std::vector<FaceId> across;  // of a crease: the face on the other side, at its middle; else kNone
+};
+
 struct CrackOptions {
   double widest = 2.0;  // grid units between the two sides
   /// From this difference of the two sides' normals on a crack is a crease.
@@ -26,10 +32,10 @@ struct CrackOptions {
 
 /// Finds borders that are none to look at: the surface goes on across them, on faces that were not
 /// joined (a corner on the middle of another's edge, places a rounding apart), as machine parts
-/// often come. One entry a half-edge; a crack is one over its whole length. Two sheets back to back
+/// often come. A crack is one over its whole length. Two sheets back to back
 /// have borders. Cost: O(faces) to find the borders, then O(borders) unless very many lie in one
 /// place. Threads: reentrant.
-[[nodiscard]] std::vector<Crack> findCracks(
+[[nodiscard]] Cracks findCracks(
     const HalfEdgeMesh& mesh,
     std::span<const glm::ivec3> positions,
     const CrackOptions& options = {});

@@ -148,7 +148,8 @@ TEST(ChainFeatures, ACreaseThatIsCrackedIsOneLineAndNoBorder) {
   addSheet({0, 401, 0}, {1000, 0, 0}, {0, 400, 0});
   addSheet({1001, 0, 0}, {0, 0, 600}, {0, 800, 0});
   const HalfEdgeMesh mesh = link(shape);
-  const PolylineSet set = chainFeatures(mesh, shape.positions, {});
+  const Cracks cracks = findCracks(mesh, shape.positions);
+  const PolylineSet set = chainFeatures(mesh, shape.positions, {}, {.cracks = cracks.kinds});
   std::size_t creases = 0;
   float border = 0.0F;
   for (const PolylineSet::Line& line : set.lines) {

@@ -40,7 +40,7 @@ TEST(Cracks, SheetsThatGoOnInOnePlaneHaveNoBorderBetweenThem) {
   shape.addSheet({0, 0, 0}, {1000, 0, 0}, {0, 800, 0});
   shape.addSheet({1001, 0, 0}, {500, 0, 0}, {0, 300, 0});
   shape.addSheet({1001, 300, 1}, {500, 0, 0}, {0, 500, 0});
-  const auto cracks = findCracks(shape.link(), shape.positions);
+  const auto cracks = findCracks(shape.link(), shape.positions).kinds;
   // Three at the line between large and small, two between the small ones.
   EXPECT_EQ(count(cracks, Crack::kInvisible), 5U);
   EXPECT_EQ(count(cracks, Crack::kCrease), 0U);
@@ -52,8 +52,11 @@ TEST(Cracks, SheetsThatMeetAtAnAngleHaveOneCreaseBetweenThem) {
   shape.addSheet({0, 0, 0}, {1000, 0, 0}, {0, 800, 0});
   shape.addSheet({1001, 0, 0}, {0, 0, 600}, {0, 400, 0});
   shape.addSheet({1001, 400, 0}, {0, 0, 600}, {0, 400, 0});
-  const auto cracks = findCracks(shape.link(), shape.positions);
+  const Cracks found = findCracks(shape.link(), shape.positions);
+  const std::vector<Crack>& cracks = found.kinds;
   EXPECT_EQ(count(cracks, Crack::kCrease), 1U);
+  EXPECT_GE(found.across[1], 2U);  // a face of the sheets that stand
+  EXPECT_EQ(found.across[0], kNone);
   EXPECT_EQ(cracks[1], Crack::kCrease);             // the longest of the three
   EXPECT_EQ(count(cracks, Crack::kInvisible), 4U);  // the others, and between the two
 }
@@ -63,7 +66,7 @@ TEST(Cracks, BordersOfSheetsBackToBackAndOfPartsApartAreBorders) {
   shape.addSheet({0, 0, 0}, {1000, 0, 0}, {0, 800, 0});
   shape.addSheet({0, 0, 1}, {0, 800, 0}, {1000, 0, 0});    // faces the other way
   shape.addSheet({1010, 0, 0}, {500, 0, 0}, {0, 800, 0});  // too far for a crack
-  const auto cracks = findCracks(shape.link(), shape.positions);
+  const auto cracks = findCracks(shape.link(), shape.positions).kinds;
   EXPECT_EQ(count(cracks, Crack::kNot), cracks.size());
 }
 
@@ -72,7 +75,7 @@ TEST(Cracks, ClosedMeshesAndOpenOnesWithoutCracksHaveNone) {
     const auto mesh =
         HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
     ASSERT_TRUE(mesh);
-    const auto cracks = findCracks(*mesh, shape.positions);
+    const auto cracks = findCracks(*mesh, shape.positions).kinds;
     EXPECT_EQ(count(cracks, Crack::kNot), mesh->origins.size());
   }
 }
