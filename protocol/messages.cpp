@@ -222,6 +222,14 @@ Result<HullInfo> readHull(const wire::HullInfo& m) {
   return hull;
 }
 
+Result<MapInfo> readMaps(const wire::MapInfo& m) {
+  const MapInfo maps{m.faces(), m.leg(), m.normal_bytes()};
+  if (maps.faces == 0 || maps.faces > limits::kMaxMapFaces) return tooLarge("MapInfo.faces");
+  if (maps.leg < 2 || maps.leg > limits::kMaxMapLeg) return tooLarge("MapInfo.leg");
+  if (maps.normalBytes > limits::kMaxMapBytes) return tooLarge("MapInfo.normal_bytes");
+  return maps;
+}
+
 Result<Body> read(const wire::ModelInfo& m) {
   ModelInfo info;
   info.channel = m.channel();
@@ -258,6 +266,11 @@ Result<Body> read(const wire::ModelInfo& m) {
     const auto hull = readHull(*m.hull());
     if (!hull) return tl::unexpected(hull.error());
     info.hull = *hull;
+  }
+  if (m.maps() != nullptr) {
+    const auto maps = readMaps(*m.maps());
+    if (!maps) return tl::unexpected(maps.error());
+    info.maps = *maps;
   }
   if (m.level_begin()->size() > limits::kMaxLevels + 1) return tooLarge("ModelInfo.level_begin");
   info.levelBegin.assign(m.level_begin()->begin(), m.level_begin()->end());
@@ -343,6 +356,19 @@ Result<Body> read(const wire::Contour& m) {
   return Contour{m.channel(), m.id(), view(m.lines())};
 }
 
+Result<Body> read(const wire::GetMap& m) {
+  if (m.kind() > MapKind::MAX) return bad("GetMap.kind is unknown");
+  if (m.held() > limits::kMaxMapPieces) return tooLarge("GetMap.held");
+  return GetMap{m.channel(), m.kind(), m.held()};
+}
+
+Result<Body> read(const wire::Map& m) {
+  if (m.kind() > MapKind::MAX) return bad("Map.kind is unknown");
+  if (m.piece() >= limits::kMaxMapPieces) return tooLarge("Map.piece");
+  if (m.png()->size() == 0) return bad("Map.png is empty");
+  return Map{m.channel(), m.kind(), m.piece(), view(m.png())};
+}
+
 Result<Body> readBody(const wire::Message& m) {
   switch (m.body_type()) {
     case wire::Body::Hello:
@@ -391,6 +417,10 @@ Result<Body> readBody(const wire::Message& m) {
       return read(*m.body_as_GetContour());
     case wire::Body::Contour:
       return read(*m.body_as_Contour());
+    case wire::Body::GetMap:
+      return read(*m.body_as_GetMap());
+    case wire::Body::Map:
+      return read(*m.body_as_Map());
     case wire::Body::NONE:
       break;
   }
@@ -507,6 +537,8 @@ struct Writer {
           m.hull->innerFinest,
           reason);
     }
+    flatbuffers::Offset<wire::MapInfo> maps;
+    if (m.maps) maps = wire::CreateMapInfo(b, m.maps->faces, m.maps->leg, m.maps->normalBytes);
     wire::ModelInfoBuilder info(b);
     info.add_channel(m.channel);
     info.add_name(name);
@@ -522,6 +554,7 @@ struct Writer {
     info.add_split_model(model);
     info.add_seed_bytes(m.seedBytes);
     if (m.hull) info.add_hull(hull);
+    if (m.maps) info.add_maps(maps);
     return info.Finish().Union();
   }
 
@@ -579,6 +612,14 @@ struct Writer {
         .Union();
   }
 
+  auto operator()(const GetMap& m) {
+    return wire::CreateGetMap(b, m.channel, m.kind, m.held).Union();
+  }
+
+  auto operator()(const Map& m) {
+    return wire::CreateMap(b, m.channel, m.kind, m.piece, bytesOf(b, m.png)).Union();
+  }
+
   auto operator()(const Contour& m) {
     return wire::CreateContour(b, m.channel, m.id, bytesOf(b, m.lines)).Union();
   }
@@ -589,7 +630,8 @@ template <class T>
 constexpr bool kSentByClient =
     std::is_same_v<T, Hello> || std::is_same_v<T, GetCatalogue> || std::is_same_v<T, Open> ||
     std::is_same_v<T, HaveSet> || std::is_same_v<T, Pose> || std::is_same_v<T, Acknowledge> ||
-    std::is_same_v<T, Drop> || std::is_same_v<T, GetHull> || std::is_same_v<T, GetContour>;
+    std::is_same_v<T, Drop> || std::is_same_v<T, GetHull> || std::is_same_v<T, GetContour> ||
+    std::is_same_v<T, GetMap>;
 
 // The schema's union numbers types in the order of the variant; typeOf() relies on it.
 static_assert(std::variant_size_v<Body> == static_cast<std::size_t>(wire::Body::MAX));
@@ -644,7 +686,7 @@ bool isPayload(const Body& body) {
   return std::holds_alternative<Base>(body) || std::holds_alternative<LevelBlock>(body) ||
          std::holds_alternative<Packet>(body) || std::holds_alternative<Seeds>(body) ||
          std::holds_alternative<Hull>(body) || std::holds_alternative<HullSplits>(body) ||
-         std::holds_alternative<Contour>(body);
+         std::holds_alternative<Contour>(body) || std::holds_alternative<Map>(body);
 }
 
 std::optional<std::uint8_t> channelOf(const Body& body) {

@@ -25,6 +25,7 @@ namespace limn::protocol {
 
 using wire::Goal;
 using wire::HullSide;
+using wire::MapKind;
 using wire::ModelState;
 using wire::Silhouette;
 /// Why the peer refused; not to be confused with limn::ErrorCode, which names our own failures.
@@ -98,6 +99,12 @@ struct GetContour {
   Silhouette silhouette = Silhouette::kSmooth;
 };
 
+struct GetMap {
+  std::uint8_t channel = 0;
+  MapKind kind = MapKind::kNormals;
+  std::uint32_t held = 0;  // pieces of it that the client has
+};
+
 // ---- Server to client
 
 struct Welcome {
@@ -132,6 +139,12 @@ struct HullInfo {
   std::string_view reason;  // not empty: there is none
 };
 
+struct MapInfo {
+  std::uint32_t faces = 0;
+  std::uint16_t leg = 0;
+  std::uint32_t normalBytes = 0;
+};
+
 struct ModelInfo {
   std::uint8_t channel = 0;
   std::string_view name;
@@ -149,6 +162,7 @@ struct ModelInfo {
   Bytes splitModel;
   std::uint32_t seedBytes = 0;  // that will come; 0: none, or all at once
   std::optional<HullInfo> hull;
+  std::optional<MapInfo> maps;
 };
 
 struct Base {
@@ -219,6 +233,13 @@ struct Contour {
   Bytes lines;  // shared/codec/contour_codec.h
 };
 
+struct Map {
+  std::uint8_t channel = 0;
+  MapKind kind = MapKind::kNormals;
+  std::uint32_t piece = 0;
+  Bytes png;
+};
+
 using Body = std::variant<
     Hello,
     GetCatalogue,
@@ -242,7 +263,9 @@ using Body = std::variant<
     Hull,
     HullSplits,
     GetContour,
-    Contour>;
+    Contour,
+    GetMap,
+    Map>;
 
 /// Who sent a message: decides which types are legal and how long it may be.
 enum class Sender : std::uint8_t { kClient, kServer };
@@ -270,8 +293,8 @@ struct Message {
 /// of the caller: decodeMessage() of the other side will refuse it.
 [[nodiscard]] std::vector<std::uint8_t> encodeMessage(const Body& body);
 
-/// Base, LevelBlock, Packet, Seeds, Hull, HullSplits and Contour: what Acknowledge counts and the
-/// send window bounds.
+/// Base, LevelBlock, Packet, Seeds, Hull, HullSplits, Contour and Map: what Acknowledge counts and
+/// the send window bounds.
 [[nodiscard]] bool isPayload(const Body& body);
 
 /// The channel of a message that has one.

@@ -398,6 +398,8 @@ Result<void> runRender(const RenderCommandOptions& options) {
       options.detector == DetectorMethod::kPrecomputed && until.state > MeshState::kBase;
   if (!options.dumpHull.empty() || options.draw == DrawMode::kClip)
     sessionOptions.session.outerHullFaces = options.hullFaces;
+  if (options.draw == DrawMode::kClip)
+    sessionOptions.session.maps = SessionMachine::Options::Maps::kNormals;
   sessionOptions.session.contours = options.contours;
   if (!options.dumpInnerHull.empty()) sessionOptions.session.innerHullFaces = options.hullFaces;
   sessionOptions.publishEveryMs = kNeverMs;

@@ -24,6 +24,8 @@ void ByteCounters::count(const protocol::Body& body, std::size_t wireBytes) {
     hull += wireBytes;
   } else if (std::holds_alternative<protocol::Contour>(body)) {
     contours += wireBytes;
+  } else if (std::holds_alternative<protocol::Map>(body)) {
+    maps += wireBytes;
   } else {
     control += wireBytes;
   }

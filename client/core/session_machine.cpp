@@ -435,13 +435,27 @@ void SessionMachine::askForHulls(const Stream& stream) {
   };
   ask(protocol::HullSide::kOuter, options_.outerHullFaces);
   ask(protocol::HullSide::kInner, options_.innerHullFaces);
+  if (phase_ != Phase::kFailed && wantsMap(stream) && !stream.decoder.normalMap()) {
+    outbox_.push_back(encodeMessage(protocol::GetMap{
+        stream.channel,
+        protocol::MapKind::kNormals,
+        stream.decoder.mapPiecesHeld()}));
+  }
+}
+
+/// A map is of use to its own level only.
+bool SessionMachine::wantsMap(const Stream& stream) const {
+  const auto& model = stream.decoder.model();
+  return options_.maps == Options::Maps::kNormals && model.maps && model.normalMapBytes > 0 &&
+         model.maps->faces <= options_.outerHullFaces &&
+         options_.outerHullFaces < model.maps->faces + 2;
 }
 
 bool SessionMachine::hullsAreThere(const Stream& stream) const {
   const auto isThere = [&](protocol::HullSide side, std::uint32_t faces) {
     return faces == 0 || stream.decoder.hulls().isThere(side, faces, stream.decoder.model());
   };
-  return stream.decoder.hasModel() &&
+  return stream.decoder.hasModel() && (!wantsMap(stream) || stream.decoder.normalMap()) &&
          isThere(protocol::HullSide::kOuter, options_.outerHullFaces) &&
          isThere(protocol::HullSide::kInner, options_.innerHullFaces);
 }

@@ -47,6 +47,10 @@ class SessionMachine {
     /// Faces of the hulls that are wanted, and without which no state counts; 0: none.
     std::uint32_t outerHullFaces = 0;
     std::uint32_t innerHullFaces = 0;
+    /// The map of normals over the outer hull is wanted where the model has one, and without it no
+    /// state counts. Goes with outerHullFaces.
+    enum class Maps : std::uint8_t { kOff, kNormals };
+    Maps maps = Maps::kOff;
     /// Where silhouettes come from. kServer: of the full mesh, asked for view by view, one request
     /// at a time; views are told in no other way, so of the mesh only its start comes, and no state
     /// counts without the newest view's contour.
@@ -180,6 +184,7 @@ class SessionMachine {
   void askForContour(Stream& stream, std::uint64_t nowMs);
   void noteContour(Stream& stream, const protocol::Contour& message, std::uint64_t nowMs);
   [[nodiscard]] bool contourIsThere(const Stream& stream) const;
+  [[nodiscard]] bool wantsMap(const Stream& stream) const;
   [[nodiscard]] bool hullsAreThere(const Stream& stream) const;
   void acknowledge();
   void lose(const Error& reason, std::uint64_t nowMs, std::uint64_t retryAfterMs);

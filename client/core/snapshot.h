@@ -6,6 +6,7 @@
 #include "shared/core/sha256.h"
 #include "shared/mesh/triangle_mesh.h"
 #include "shared/progressive/active_mesh.h"
+#include "shared/progressive/map_layout.h"
 #include "shared/progressive/progressive_hull.h"
 #include "shared/silhouette/seed_table.h"
 
@@ -13,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace limn {
 
@@ -39,6 +41,14 @@ struct ModelDescription {
   std::uint32_t faces = 0;
   bool closed = false;
   std::optional<HullDescription> hull;  // unset: the asset knows of none
+  std::optional<MapLayout> maps;        // over the outer hull's level of so many faces
+  std::uint32_t normalMapBytes = 0;
+};
+
+/// A map over a level of the outer hull, as it came.
+struct HullMap {
+  MapLayout layout;
+  std::vector<std::uint8_t> png;
 };
 
 /// Silhouettes of the full mesh that the server found for one view.
@@ -54,6 +64,7 @@ struct MeshSnapshot {
   std::shared_ptr<const SeedTable> seeds;            // null until they have arrived
   std::shared_ptr<const ProgressiveHull> outerHull;  // null until asked for and arrived
   std::shared_ptr<const ProgressiveHull> innerHull;
+  std::shared_ptr<const HullMap> normalMap;     // null until asked for and arrived
   std::shared_ptr<const ExactContour> contour;  // the last that came; null: none was asked for
   std::uint64_t revision = 0;                   // grows with every published change
 };

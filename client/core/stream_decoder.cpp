@@ -32,6 +32,10 @@ ModelDescription describe(const protocol::ModelInfo& info) {
         info.hull->extraBits,
         std::string(info.hull->reason)};
   }
+  if (info.maps) {
+    model.maps = MapLayout{info.maps->faces, info.maps->leg};
+    model.normalMapBytes = info.maps->normalBytes;
+  }
   return model;
 }
 
@@ -129,6 +133,23 @@ Result<void> StreamDecoder::take(const protocol::HullSplits& message) {
   return hulls_.take(message, *model_);
 }
 
+Result<void> StreamDecoder::take(const protocol::Map& message) {
+  if (!model_ || !model_->maps || model_->normalMapBytes == 0 || normalMap_) {
+    return fail(ErrorCode::kProtocol, "a map came that the model does not have");
+  }
+  if (message.piece != mapPiecesHeld_ ||
+      mapPieces_.size() + message.png.size() > model_->normalMapBytes) {
+    return fail(ErrorCode::kProtocol, "a piece of a map that does not go on where it ended");
+  }
+  mapPieces_.insert(mapPieces_.end(), message.png.begin(), message.png.end());
+  ++mapPiecesHeld_;
+  if (mapPieces_.size() < model_->normalMapBytes) return {};
+  normalMap_ = std::make_shared<const HullMap>(HullMap{*model_->maps, std::move(mapPieces_)});
+  mapPieces_ = {};
+  ++revision_;
+  return {};
+}
+
 Result<void> StreamDecoder::take(const protocol::Contour& message) {
   if (!model_) return fail(ErrorCode::kProtocol, "a contour came before the model's description");
   auto lines = decodeContour(message.lines, limits::kMaxContourPoints);
@@ -174,6 +195,9 @@ void StreamDecoder::drop() {
   seedBytesHeld_ = 0;
   seedPieces_ = {};
   hulls_ = {};
+  mapPieces_ = {};
+  mapPiecesHeld_ = 0;
+  normalMap_.reset();
   contour_.reset();
   ++revision_;
 }
@@ -185,6 +209,7 @@ std::shared_ptr<const MeshSnapshot> StreamDecoder::snapshot() const {
   snapshot->seeds = seeds_;
   snapshot->outerHull = hulls_.hull(protocol::HullSide::kOuter);
   snapshot->innerHull = hulls_.hull(protocol::HullSide::kInner);
+  snapshot->normalMap = normalMap_;
   snapshot->contour = contour_;
   snapshot->revision = revision_;
   return snapshot;

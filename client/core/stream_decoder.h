@@ -25,7 +25,8 @@ class StreamDecoder {
   /// asset drops everything. Errors: kCorrupt, kLimitExceeded (the split model).
   [[nodiscard]] Result<void> beginModel(const protocol::ModelInfo& info);
 
-  /// Takes Base, LevelBlock, Packet, Seeds, Hull, HullSplits or Contour of this model; no splits
+  /// Takes Base, LevelBlock, Packet, Seeds, Hull, HullSplits, Map or Contour of this
+  /// model; no splits
   /// before the base mesh. A split whose prerequisites are missing is an error, which also keeps
   /// level blocks in order. Total over any bytes: after an error the mesh is still valid, with the
   /// splits that came before the damage. Errors: kProtocol (order), kCorrupt, kNonManifold,
@@ -36,6 +37,7 @@ class StreamDecoder {
   [[nodiscard]] Result<void> take(const protocol::Seeds& message);
   [[nodiscard]] Result<void> take(const protocol::Hull& message);
   [[nodiscard]] Result<void> take(const protocol::HullSplits& message);
+  [[nodiscard]] Result<void> take(const protocol::Map& message);
   [[nodiscard]] Result<void> take(const protocol::Contour& message);
 
   /// Undoes splits that the server has dropped from its account; ids ascending. Errors: kProtocol
@@ -71,6 +73,11 @@ class StreamDecoder {
 
   [[nodiscard]] const HullStreams& hulls() const { return hulls_; }
 
+  /// Pieces of the map of normals held: GetMap.held.
+  [[nodiscard]] std::uint32_t mapPiecesHeld() const { return mapPiecesHeld_; }
+
+  [[nodiscard]] const std::shared_ptr<const HullMap>& normalMap() const { return normalMap_; }
+
   /// The last contour that came; null: none.
   [[nodiscard]] const std::shared_ptr<const ExactContour>& contour() const { return contour_; }
 
@@ -94,6 +101,9 @@ class StreamDecoder {
   std::uint32_t seedBytesHeld_ = 0;
   std::vector<std::uint8_t> seedPieces_;  // until they are whole
   HullStreams hulls_;
+  std::vector<std::uint8_t> mapPieces_;  // until they are whole
+  std::uint32_t mapPiecesHeld_ = 0;
+  std::shared_ptr<const HullMap> normalMap_;
   std::shared_ptr<const ExactContour> contour_;
   std::uint64_t revision_ = 0;
 };

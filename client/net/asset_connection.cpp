@@ -50,6 +50,10 @@ class AssetConnection final : public LocalConnection {
       next_ = 0;
     } else if (const auto* request = message->as<protocol::GetHull>()) {
       askForHull(*request);
+    } else if (const auto* map = message->as<protocol::GetMap>()) {
+      // A client only asks where ModelInfo has a map; without the section there is nothing to say.
+      for (std::size_t i = map->held; i < files_->normalMap.size(); ++i)
+        hullMessages_.push_back(&files_->normalMap[i]);
     } else if (const auto* acknowledge = message->as<protocol::Acknowledge>()) {
       acknowledged_ = acknowledge->bytes;
     }

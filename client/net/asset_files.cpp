@@ -168,13 +168,18 @@ Result<AssetFiles> readAssetFiles(const std::filesystem::path& directory) {
     if (!section) return tl::unexpected(section.error());
     std::move(section->begin(), section->end(), std::back_inserter(files.payload));
   }
-  constexpr std::array kHulls = {"hull-outer", "hull-inner"};
-  for (std::size_t side = 0; side < kHulls.size(); ++side) {
-    auto section = readSection(*manifest, directory, kHulls[side]);
-    if (!section && section.error().code == ErrorCode::kNotFound) continue;
-    if (!section) return tl::unexpected(section.error());
-    files.hulls[side] = std::move(*section);
-  }
+  const auto readOptional = [&](const char* name, auto& messages) -> Result<void> {
+    auto section = readSection(*manifest, directory, name);
+    if (section)
+      messages = std::move(*section);
+    else if (section.error().code != ErrorCode::kNotFound)
+      return tl::unexpected(section.error());
+    return {};
+  };
+  auto read = readOptional("hull-outer", files.hulls[0]);
+  if (read) read = readOptional("hull-inner", files.hulls[1]);
+  if (read) read = readOptional("map-normals", files.normalMap);
+  if (!read) return tl::unexpected(read.error());
   return files;
 }
 

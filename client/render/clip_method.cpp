@@ -7,10 +7,12 @@
 // outline, and any number of short ones in a pixel, come out right.
 #include "client/render/clip_method.h"
 
+#include "client/render/image_io.h"
 #include "client/render/shaders/clip_shaders.h"
 #include "client/render/shaders/shaders.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 namespace limn {
@@ -21,6 +23,11 @@ constexpr int kStencilZero = 128;
 /// Winding numbers that are told apart: where layers lie behind one another edges may take away
 /// more than one of them.
 constexpr int kLevels = 4;
+
+struct HullCorner {
+  glm::vec3 place{0.0F};  // grid units about origin_
+  glm::vec2 inMap{0.0F};  // texels
+};
 
 template <class T>
 void fill(const gl::Api& api, GLenum target, const gl::Buffer& buffer, const std::vector<T>& data) {
@@ -52,15 +59,13 @@ Result<std::unique_ptr<DrawingMethod>> ClipMethod::create(DrawTools& tools) {
   if (ok) ok = build(method->levelProgram_, "clip level", s::kScreenVertex, s::kLevelFragment);
   if (ok) ok = build(method->edgeProgram_, "clip edge", s::kClipEdgeVertex, s::kClipEdgeFragment);
   if (ok) ok = build(method->hullProgram_, "hull", s::kMeshVertex, s::kShadedFragment);
+  if (ok) ok = build(method->mappedProgram_, "mapped hull", s::kHullVertex, s::kMappedFragment);
   if (ok) ok = build(method->composeProgram_, "clip", s::kScreenVertex, s::kClipFragment);
   if (!ok) return tl::unexpected(ok.error());
   for (gl::VertexArray* array : {&method->contourArray_, &method->edgeArray_, &method->hullArray_})
     *array = gl::VertexArray::create(api);
   for (gl::Buffer* buffer :
-       {&method->contourPoints_,
-        &method->contourIndices_,
-        &method->hullPoints_,
-        &method->hullIndices_})
+       {&method->contourPoints_, &method->contourIndices_, &method->hullPoints_})
     *buffer = gl::Buffer::create(api);
 
   api.bindVertexArray(method->contourArray_.id());
@@ -83,9 +88,16 @@ Result<std::unique_ptr<DrawingMethod>> ClipMethod::create(DrawTools& tools) {
   }
   api.bindVertexArray(method->hullArray_.id());
   api.bindBuffer(GL_ARRAY_BUFFER, method->hullPoints_.id());
-  api.bindBuffer(GL_ELEMENT_ARRAY_BUFFER, method->hullIndices_.id());
   api.enableVertexAttribArray(0);
-  api.vertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
+  api.vertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(HullCorner), nullptr);
+  api.enableVertexAttribArray(1);
+  api.vertexAttribPointer(
+      1,
+      2,
+      GL_FLOAT,
+      GL_FALSE,
+      sizeof(HullCorner),
+      reinterpret_cast<const void*>(offsetof(HullCorner, inMap)));
   api.getIntegerv(GL_SUBPIXEL_BITS, &method->subpixelBits_);
   method->subpixelBits_ = std::clamp(method->subpixelBits_, 4, 8);
   return method;
@@ -102,18 +114,53 @@ Result<void> ClipMethod::uploadHull(const DrawRequest& request) {
   hullSplits_ = splits;
   const Grid& model = request.snapshot.model.grid;
   origin_ = model.fromModel(request.snapshot.model.sphere.center);
-  std::vector<glm::vec3> points;
   hullModelPoints_.clear();
-  for (const glm::ivec3& p : level->positions) {
-    const glm::dvec3 place = level->grid.toModel(p);
-    hullModelPoints_.push_back(place);
-    points.emplace_back(model.fromModel(place) - origin_);
+  for (const glm::ivec3& p : level->positions)
+    hullModelPoints_.push_back(level->grid.toModel(p));
+  const auto faces = static_cast<std::uint32_t>(level->triangles.size());
+  const MapLayout layout = request.snapshot.model.maps.value_or(MapLayout{});
+  std::vector<HullCorner> corners;
+  corners.reserve(3 * std::size_t{faces});
+  for (std::uint32_t f = 0; f < faces; ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3& place = hullModelPoints_[level->triangles[f][k]];
+      const glm::vec2 inMap = layout.faces == faces ? layout.corner(f, k) : glm::vec2(0.0F);
+      corners.push_back({glm::vec3(model.fromModel(place) - origin_), inMap});
+    }
   }
-  hullIndexCount_ = static_cast<GLsizei>(3 * level->triangles.size());
+  hullCorners_ = static_cast<GLsizei>(corners.size());
+  tools_.api().bindVertexArray(hullArray_.id());
+  fill(tools_.api(), GL_ARRAY_BUFFER, hullPoints_, corners);
+  return {};
+}
+
+Result<void> ClipMethod::uploadMap(const DrawRequest& request) {
+  const auto& map = request.snapshot.normalMap;
+  if (map == mapThere_) return {};
+  mapThere_ = nullptr;
+  map_ = {};
+  if (!map) return {};
+  const int width = map->layout.width();
+  const int height = map->layout.height();
+  const auto image = decodePng(map->png, width, height);
+  if (!image) return tl::unexpected(image.error());
   const gl::Api& api = tools_.api();
-  api.bindVertexArray(hullArray_.id());
-  fill(api, GL_ARRAY_BUFFER, hullPoints_, points);
-  fill(api, GL_ELEMENT_ARRAY_BUFFER, hullIndices_, level->triangles);
+  map_ = gl::makeTexture(api, gl::TexelFormat::kRgba8, {width, height});
+  gl::bindTexture(api, 0, map_);
+  api.pixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  api.texSubImage2D(
+      GL_TEXTURE_2D,
+      0,
+      0,
+      0,
+      width,
+      height,
+      GL_RGBA,
+      GL_UNSIGNED_BYTE,
+      image->rgba.data());
+  api.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  api.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  mapThere_ = map;
   return {};
 }
 
@@ -199,15 +246,21 @@ void ClipMethod::drawChange(const ClipContours& contours) const {
 
 void ClipMethod::drawHull(const DrawRequest& request, const glm::mat4& clipFromCenter) const {
   const gl::Api& api = tools_.api();
-  hullProgram_.use();
-  hullProgram_.set("clipFromCenter", clipFromCenter);
-  hullProgram_.set("light", glm::vec4(MeshPass::lightOf(request.camera), 0.0F));
-  hullProgram_.set("surface", MeshPass::kSurface);
+  // A map belongs to one level.
+  const bool isMapped =
+      mapThere_ && 3 * mapThere_->layout.faces == static_cast<std::uint32_t>(hullCorners_);
+  const gl::Program& program = isMapped ? mappedProgram_ : hullProgram_;
+  program.use();
+  program.set("clipFromCenter", clipFromCenter);
+  program.set("light", glm::vec4(MeshPass::lightOf(request.camera), 0.0F));
+  program.set("surface", MeshPass::kSurface);
+  program.set("normals", 0);
+  if (isMapped) gl::bindTexture(api, 0, map_);
   api.enable(GL_DEPTH_TEST);
   api.depthFunc(GL_LESS);
   api.enable(GL_CULL_FACE);
   api.bindVertexArray(hullArray_.id());
-  api.drawElements(GL_TRIANGLES, hullIndexCount_, GL_UNSIGNED_INT, nullptr);
+  api.drawArrays(GL_TRIANGLES, 0, hullCorners_);
   api.disable(GL_CULL_FACE);
   api.disable(GL_DEPTH_TEST);
 }
@@ -215,6 +268,7 @@ void ClipMethod::drawHull(const DrawRequest& request, const glm::mat4& clipFromC
 Result<void>
 ClipMethod::draw(const DrawRequest& request, const gl::Target& picture, FrameTimings&) {
   if (auto ok = uploadHull(request); !ok) return ok;
+  if (auto ok = uploadMap(request); !ok) return ok;
   const Camera& from = request.camera;
   if (!from.orthographic && !isOutsideConvexHull(from.eye, hullModelPoints_))
     return drawMesh(request, picture);

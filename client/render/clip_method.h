@@ -16,7 +16,8 @@
 
 namespace limn {
 
-/// Silhouette clipping [Sander00]: a coarse outer hull, lit, cut to the outline of a finer mesh and
+/// Silhouette clipping [Sander00]: a coarse outer hull, lit (by the map of normals where the
+/// snapshot has it for this level, else by its own faces), cut to the outline of a finer mesh and
 /// antialiased there. The silhouettes are the snapshot's exact contour if it has one, else the
 /// request's lines; they should be those of edges, as the outline of a mesh is.
 /// Where the eye is not outside the hull's convex hull, or a silhouette runs behind it, winding
@@ -33,6 +34,7 @@ class ClipMethod final : public DrawingMethod {
   explicit ClipMethod(DrawTools& tools) : tools_(tools) {}
 
   Result<void> uploadHull(const DrawRequest& request);
+  Result<void> uploadMap(const DrawRequest& request);
   [[nodiscard]] Result<void> drawMesh(const DrawRequest& request, const gl::Target& picture);
   [[nodiscard]] Camera fitted(const Camera& camera) const;
   void drawWinding(const ClipContours& contours) const;
@@ -44,6 +46,7 @@ class ClipMethod final : public DrawingMethod {
   gl::Program levelProgram_;
   gl::Program edgeProgram_;
   gl::Program hullProgram_;
+  gl::Program mappedProgram_;
   gl::Program composeProgram_;
   gl::Target winding_;  // of pixels' middles, as kClipFragment has it, and the stencil buffer
   gl::Target change_;   // kClipEdgeFragment
@@ -55,14 +58,15 @@ class ClipMethod final : public DrawingMethod {
   gl::Buffer contourPoints_;
   gl::Buffer contourIndices_;
   gl::Buffer hullPoints_;
-  gl::Buffer hullIndices_;
+  gl::Texture map_;
 
   // The hull that is there.
   std::shared_ptr<const ProgressiveHull> hull_;
   std::size_t hullSplits_ = 0;
+  std::shared_ptr<const HullMap> mapThere_;
   std::vector<glm::dvec3> hullModelPoints_;  // model units
   glm::dvec3 origin_{0.0};                   // of the hull's points on the GPU, grid units
-  GLsizei hullIndexCount_ = 0;
+  GLsizei hullCorners_ = 0;
   GLint subpixelBits_ = 8;
 };
 

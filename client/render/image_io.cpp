@@ -13,6 +13,7 @@
 #include <stb/stb_image_write.h>
 #pragma GCC diagnostic pop
 
+#include <algorithm>
 #include <cstddef>
 #include <fstream>
 #include <iterator>
@@ -89,6 +90,27 @@ Result<Image> readPng(const std::filesystem::path& path) {
         ErrorCode::kCorrupt,
         path.string() + " is not a PNG of at most 8192x8192 pixels: " + stbi_failure_reason());
   }
+  Image image{width, height, {}};
+  image.rgba.assign(
+      pixels.get(),
+      pixels.get() + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  return image;
+}
+
+Result<Image> decodePng(std::span<const std::uint8_t> bytes, int width, int height) {
+  const auto size = static_cast<int>(std::min<std::size_t>(bytes.size(), std::size_t{1} << 30));
+  int w = 0;
+  int h = 0;
+  int channels = 0;
+  // The size is looked at before anything is decoded.
+  if (stbi_info_from_memory(bytes.data(), size, &w, &h, &channels) == 0 || w != width ||
+      h != height) {
+    return fail(ErrorCode::kCorrupt, "an image of the stream has not the size that was said");
+  }
+  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
+      stbi_load_from_memory(bytes.data(), size, &w, &h, &channels, 4),
+      stbi_image_free);
+  if (!pixels) return fail(ErrorCode::kCorrupt, "an image of the stream is damaged");
   Image image{width, height, {}};
   image.rgba.assign(
       pixels.get(),

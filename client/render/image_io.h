@@ -5,7 +5,9 @@
 
 #include "shared/core/result.h"
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
 
 namespace limn {
 
@@ -16,5 +18,8 @@ namespace limn {
 /// Reads any PNG of at most 8192 × 8192 pixels as RGBA. Errors: kNotFound, kCorrupt,
 /// kLimitExceeded.
 [[nodiscard]] Result<Image> readPng(const std::filesystem::path& path);
+
+/// A PNG in memory that must have this size, as RGBA. Errors: kCorrupt.
+[[nodiscard]] Result<Image> decodePng(std::span<const std::uint8_t> bytes, int width, int height);
 
 }  // namespace limn

@@ -178,7 +178,7 @@ int run(int argc, char** argv) {
   app.add_option(
          "--hull-faces",
          arguments.options.hullFaces,
-         "Faces of the hulls whose volumes are reported")
+         "Faces of the hulls that have maps and whose volumes are reported")
       ->check(CLI::Range(4, 1000000))
       ->capture_default_str();
   arguments.options.forest.threads = std::max(1U, std::thread::hardware_concurrency());

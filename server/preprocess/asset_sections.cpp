@@ -69,7 +69,8 @@ WireSections encodeWireSections(
           .levelBegin = forest.levelBegin,
           .blockLevels = static_cast<std::uint8_t>(blockLevels),
           .splitModel = modelBytes,
-          .hull = identity.hull}));
+          .hull = identity.hull,
+          .maps = identity.maps}));
 
   const std::vector<std::uint8_t> features = protocol::packBaseFeatures(forest.baseFeatures);
   const auto base =

@@ -31,6 +31,7 @@ struct AssetIdentity {
   Sha256Digest id{};
   bool closed = false;
   std::optional<protocol::HullInfo> hull{};
+  std::optional<protocol::MapInfo> maps{};
 };
 
 /// Encodes everything a client can be sent. Levels of the first 400 vertices (a tenth of them at

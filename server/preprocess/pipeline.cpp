@@ -5,6 +5,7 @@
 #include "server/preprocess/hull_sections.h"
 #include "server/preprocess/hulls/hulls.h"
 #include "server/preprocess/import/import.h"
+#include "server/preprocess/map_sections.h"
 #include "server/preprocess/seeds/build_seeds.h"
 
 #include "shared/progressive/split_forest.h"
@@ -22,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Part of every asset's id: raised when preparation gives other bytes for the same input.
-constexpr char kFormatVersion[] = "limn-asset-6";
+constexpr char kFormatVersion[] = "limn-asset-7";
 
 class Stopwatch {
  public:
@@ -84,7 +85,7 @@ Json repairsJson(const RepairCounts& repairs) {
 
 // The parts of the report that take shape stage by stage.
 struct Stages {
-  double import = 0, repair = 0, hull = 0, simplify = 0, encode = 0, seeds = 0;
+  double import = 0, repair = 0, hull = 0, simplify = 0, encode = 0, seeds = 0, maps = 0;
 };
 
 Json hullJson(const Hulls& hulls, const HullSections& sections, std::uint32_t faces) {
@@ -109,6 +110,7 @@ Json makeReport(
     const RepairedMesh& repaired,
     const Hulls& hulls,
     const HullSections& hullSections,
+    const MapSections& mapSections,
     const BuiltForest& built,
     const WireSections& sections,
     const PrepareOptions& options) {
@@ -142,6 +144,7 @@ Json makeReport(
   const std::uint64_t seeds = wireBytes(sections.seeds);
   const std::uint64_t hullOuter = wireBytes(hullSections.outer);
   const std::uint64_t hullInner = wireBytes(hullSections.inner);
+  const std::uint64_t maps = wireBytes(mapSections.normals);
   json["bytes"] = {
       {"base", base},
       {"level_blocks", blocks},
@@ -150,11 +153,11 @@ Json makeReport(
       {"cones", 0},
       {"hull_outer", hullOuter},
       {"hull_inner", hullInner},
-      {"maps", 0},
+      {"maps", maps},
       {"features", features},
       {"total",
        wireBytes(sections.info) + base + features + blocks + splits + seeds + hullOuter +
-           hullInner}};
+           hullInner + maps}};
   json["stream_bits_per_vertex"] =
       8.0 * static_cast<double>(base + blocks + splits) / forest.vertexCount();
   json["hull"] = hullJson(hulls, hullSections, options.hullFaces);
@@ -162,8 +165,8 @@ Json makeReport(
 }
 
 Json secondsJson(const Stages& stages) {
-  const double total =
-      stages.import + stages.repair + stages.hull + stages.simplify + stages.encode + stages.seeds;
+  const double total = stages.import + stages.repair + stages.hull + stages.simplify +
+                       stages.encode + stages.seeds + stages.maps;
   return {
       {"import", stages.import},
       {"repair", stages.repair},
@@ -172,7 +175,7 @@ Json secondsJson(const Stages& stages) {
       {"hull", stages.hull},
       {"seeds", stages.seeds},
       {"cones", 0.0},
-      {"maps", 0.0},
+      {"maps", stages.maps},
       {"total", total}};
 }
 
@@ -226,6 +229,7 @@ Result<void> writeAsset(
     const WireSections& wire,
     const SplitForest& forest,
     const HullSections& hulls,
+    const MapSections& maps,
     const Sha256Digest& id,
     const std::string& report,
     AssetStore& store) {
@@ -240,10 +244,12 @@ Result<void> writeAsset(
       {sections::kSeeds, wire.seeds},
       {sections::kHullOuter, hulls.outer},
       {sections::kHullInner, hulls.inner},
+      {sections::kMapNormals, maps.normals},
       {sections::kForest, forestBytes}};
   for (const auto& [section, bytes] : parts) {
-    if (bytes.empty() && (section == sections::kHullOuter || section == sections::kHullInner))
-      continue;
+    const bool mayBeAbsent = section == sections::kHullOuter || section == sections::kHullInner ||
+                             section == sections::kMapNormals;
+    if (bytes.empty() && mayBeAbsent) continue;
     if (auto added = (*writer)->addSection(section, bytes); !added) return added;
   }
   return (*writer)->commit(report);
@@ -309,14 +315,27 @@ Result<PreparedModel> prepareModel(
 
   progress("encode", 0.85);
   const auto hullSections = encodeHullSections(hulls);
-  const WireSections wire =
-      encodeWireSections(*built, *seeds, {*id, repaired->closed, hullSections->info});
   stages.encode = watch.lap();
+  const MapSections mapSections = encodeMapSections(
+      prepared,
+      *hullSections,
+      options.hullFaces,
+      {.texelsPerFace = options.hullFaces <= 1000 ? 512 : 128,
+       .creaseAngleDegrees = options.forest.creaseAngleDegrees,
+       .threads = options.forest.threads});
+  stages.maps = watch.lap();
+  const WireSections wire = encodeWireSections(
+      *built,
+      *seeds,
+      {*id, repaired->closed, hullSections->info, mapSections.info});
+  stages.encode += watch.lap();
 
-  Json report = makeReport(*imported, *repaired, hulls, *hullSections, *built, wire, options);
+  Json report =
+      makeReport(*imported, *repaired, hulls, *hullSections, mapSections, *built, wire, options);
   report["seconds"] = secondsJson(stages);
   report["peak_rss_mib"] = peakRssMib();
-  if (auto written = writeAsset(wire, built->forest, *hullSections, *id, report.dump(), store);
+  if (auto written =
+          writeAsset(wire, built->forest, *hullSections, mapSections, *id, report.dump(), store);
       !written) {
     return tl::unexpected(written.error());
   }

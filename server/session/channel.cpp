@@ -388,6 +388,13 @@ Result<void> Channel::getHull(const protocol::GetHull& request) {
   return hulls_.request(request, *model_);
 }
 
+Result<void> Channel::getMap(const protocol::GetMap& request) {
+  if (!model_ || !infoSent_) {
+    return fail(ErrorCode::kProtocol, "a GetMap came before the model's description");
+  }
+  return hulls_.request(request, *model_);
+}
+
 std::optional<OutMessage> Channel::nextHull(const Window& window) {
   const protocol::Bytes message = hulls_.next(*model_);
   if (!window.allows(message.size())) return std::nullopt;

@@ -92,6 +92,9 @@ class Channel {
   /// Errors: kNotFound (no hull), kProtocol (before ModelInfo, or more held than there is).
   [[nodiscard]] Result<void> getHull(const protocol::GetHull& request);
 
+  /// As getHull().
+  [[nodiscard]] Result<void> getMap(const protocol::GetMap& request);
+
   /// The newest request counts; one is worked on at a time. Errors: kProtocol (before ModelInfo, or
   /// an id that does not grow).
   [[nodiscard]] Result<void> getContour(const protocol::GetContour& request, ViewCells& cells);

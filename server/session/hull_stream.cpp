@@ -22,19 +22,36 @@ Result<void> HullStream::request(const protocol::GetHull& request, const Model& 
   const std::uint32_t base =
       request.side == protocol::HullSide::kOuter ? info->outerBase : info->innerBase;
   const std::size_t splits = request.faces > base ? (request.faces - base) / 2 : 0;
-  Side& side = sides_[static_cast<std::size_t>(request.side)];
-  side.next = request.held;
-  side.end = std::min<std::size_t>(messages.size(), 1 + hullPiecesFor(splits));
+  Part& part = parts_[static_cast<std::size_t>(request.side)];
+  part.next = request.held;
+  part.end = std::min<std::size_t>(messages.size(), 1 + hullPiecesFor(splits));
   return {};
 }
 
+Result<void> HullStream::request(const protocol::GetMap& request, const Model& model) {
+  const auto& messages = model.map(request.kind);
+  if (messages.empty()) return fail(ErrorCode::kNotFound, "the model has no such map");
+  if (request.held > messages.size()) {
+    return fail(ErrorCode::kProtocol, "a GetMap holds more than the map has");
+  }
+  parts_[kMapPart] = {request.held, messages.size()};
+  return {};
+}
+
+std::size_t HullStream::pending() const {
+  const auto isPart = [](const Part& part) { return part.next < part.end; };
+  return static_cast<std::size_t>(std::ranges::find_if(parts_, isPart) - parts_.begin());
+}
+
 protocol::Bytes HullStream::next(const Model& model) const {
-  const std::size_t side = pendingSide();
-  return model.hull(static_cast<protocol::HullSide>(side))[sides_[side].next];
+  const std::size_t part = pending();
+  const auto& messages = part == kMapPart ? model.map(protocol::MapKind::kNormals)
+                                          : model.hull(static_cast<protocol::HullSide>(part));
+  return messages[parts_[part].next];
 }
 
 void HullStream::advance() {
-  ++sides_[pendingSide()].next;
+  ++parts_[pending()].next;
 }
 
 }  // namespace limn

@@ -12,30 +12,35 @@
 
 namespace limn {
 
-/// What a client has asked for of a model's hulls, and how much of it is sent. Both sides, the
-/// outer one first. Its whole state is two numbers a side, which a GetHull says anew.
+/// What a client has asked for of a model's hulls and of the maps over them, and how much of it is
+/// sent: the outer hull, the inner one, maps. Its whole state is two numbers each, which a request
+/// says anew.
 class HullStream {
  public:
   /// Errors: kNotFound (the model has no hull), kProtocol (more held than there is).
   [[nodiscard]] Result<void> request(const protocol::GetHull& request, const Model& model);
 
-  [[nodiscard]] bool isPending() const {
-    return sides_[0].next < sides_[0].end || sides_[1].next < sides_[1].end;
-  }
+  /// Errors: kNotFound (the model has no such map), kProtocol (more held than there is).
+  [[nodiscard]] Result<void> request(const protocol::GetMap& request, const Model& model);
+
+  [[nodiscard]] bool isPending() const { return pending() < parts_.size(); }
 
   /// The message to send next; needs isPending(). Goes on with advance().
   [[nodiscard]] protocol::Bytes next(const Model& model) const;
   void advance();
 
  private:
-  struct Side {
-    std::size_t next = 0;  // of Model::hull()
+  struct Part {
+    std::size_t next = 0;  // of its messages
     std::size_t end = 0;
   };
 
-  [[nodiscard]] std::size_t pendingSide() const { return sides_[0].next < sides_[0].end ? 0 : 1; }
+  static constexpr std::size_t kMapPart = 2;
 
-  std::array<Side, 2> sides_;
+  /// The first part with something to send; their number: none has.
+  [[nodiscard]] std::size_t pending() const;
+
+  std::array<Part, 3> parts_;  // by HullSide; the map of normals
 };
 
 }  // namespace limn

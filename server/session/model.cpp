@@ -110,6 +110,11 @@ Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> as
     if (!hull) return corrupt(hull.error().message);
     model->hulls_[static_cast<std::size_t>(side)] = std::move(*hull);
   }
+  if (source.section(sections::kMapNormals)) {
+    auto map = messagesOf<protocol::Map>(source, sections::kMapNormals);
+    if (!map) return tl::unexpected(map.error().within(where));
+    model->maps_[0] = std::move(*map);
+  }
   const auto bytes = source.section(sections::kForest);
   if (!bytes) return tl::unexpected(bytes.error().within(where));
   auto forest = parseForest(*bytes);

@@ -64,6 +64,11 @@ class Model {
     return hulls_[static_cast<std::size_t>(side)];
   }
 
+  /// Maps in order. Empty: none.
+  [[nodiscard]] const std::vector<protocol::Bytes>& map(protocol::MapKind kind) const {
+    return maps_[static_cast<std::size_t>(kind)];
+  }
+
   /// The content of the Seeds messages. Empty: none.
   [[nodiscard]] protocol::Bytes seeds() const { return seeds_; }
 
@@ -95,6 +100,7 @@ class Model {
   std::vector<protocol::Message> runMessages_;
   std::vector<Run> runs_;  // of runMessages_
   std::array<std::vector<protocol::Bytes>, 2> hulls_;
+  std::array<std::vector<protocol::Bytes>, 1> maps_;
   protocol::Message seedsMessage_;
   protocol::Bytes seeds_;  // of seedsMessage_
   mutable std::mutex mutex_;

@@ -181,15 +181,22 @@ void Session::handle(const protocol::Drop& drop) {
 }
 
 void Session::handle(const protocol::GetHull& request) {
-  Channel* channel = find(request.channel);
-  if (channel == nullptr) return;  // as for a pose
-  if (const auto taken = channel->getHull(request); !taken) {
-    refuse(
-        taken.error().code == ErrorCode::kNotFound ? protocol::WireError::kNotFound
-                                                   : protocol::WireError::kState,
-        request.channel,
-        taken.error().message);
-  }
+  // As for a pose.
+  if (Channel* channel = find(request.channel)) answer(channel->getHull(request), request.channel);
+}
+
+void Session::handle(const protocol::GetMap& request) {
+  if (Channel* channel = find(request.channel)) answer(channel->getMap(request), request.channel);
+}
+
+/// Refuses a request for a hull or a map that was not taken.
+void Session::answer(const Result<void>& taken, std::uint8_t channel) {
+  if (taken) return;
+  refuse(
+      taken.error().code == ErrorCode::kNotFound ? protocol::WireError::kNotFound
+                                                 : protocol::WireError::kState,
+      channel,
+      taken.error().message);
 }
 
 void Session::handle(const protocol::GetContour& request) {

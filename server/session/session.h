@@ -72,7 +72,9 @@ class Session {
   void handle(const protocol::Acknowledge& acknowledge);
   void handle(const protocol::Drop& drop);
   void handle(const protocol::GetHull& request);
+  void handle(const protocol::GetMap& request);
   void handle(const protocol::GetContour& request);
+  void answer(const Result<void>& taken, std::uint8_t channel);
 
   template <class Other>
   void handle(const Other&) {}  // decodeMessage() lets no server messages through

@@ -25,7 +25,8 @@ inline constexpr char kPackets[] = "packets";       // Packets: every remaining 
 inline constexpr char kSeeds[] = "seeds";           // one Seeds
 inline constexpr char kHullOuter[] = "hull-outer";  // one Hull, then HullSplits in order
 inline constexpr char kHullInner[] = "hull-inner";  // the same
-inline constexpr char kForest[] = "forest";         // serializeForest(): server only
+inline constexpr char kMapNormals[] = "map-normals";  // Maps in order
+inline constexpr char kForest[] = "forest";           // serializeForest(): server only
 }  // namespace sections
 
 /// A committed asset, read-only. Sections were verified against their checksums when it was opened.

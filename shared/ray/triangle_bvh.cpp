@@ -7,6 +7,8 @@
 // alike from both of its sides, as long as no product is fused into a sum.
 #include "shared/ray/triangle_bvh.h"
 
+#include "shared/mesh/closest_point.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -338,6 +340,60 @@ std::vector<RayHit> TriangleBvh::allHits(const Ray& ray) const {
     return ray.end;
   });
   return hits;
+}
+
+std::optional<NearestPoint> TriangleBvh::closest(const glm::dvec3& point) const {
+  if (nodes_.empty()) return std::nullopt;
+
+  struct Place {
+    double distance2;  // to its box, at least
+    std::uint32_t level;
+    std::uint32_t node;
+  };
+
+  NearestPoint nearest;
+  double best = std::numeric_limits<double>::infinity();
+  std::array<Place, 96> stack;  // as in traverse()
+  std::uint32_t size = 0;
+  stack[size++] = {0.0, static_cast<std::uint32_t>(levelBegin_.size()) - 1, 0};
+  while (size > 0) {
+    const Place place = stack[--size];
+    if (place.distance2 >= best) continue;
+    const Node& node = nodes_[levelBegin_[place.level] + place.node];
+    const std::uint32_t first = size;
+    for (std::uint32_t k = 0; k < kWidth; ++k) {
+      if (node.low[0][k] > node.high[0][k]) continue;  // no child
+      double distance2 = 0.0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double low = node.low[axis][k];
+        const double high = node.high[axis][k];
+        const double off = std::max({low - point[axis], point[axis] - high, 0.0});
+        distance2 += off * off;
+      }
+      if (distance2 >= best) continue;
+      const std::uint32_t child = place.node * kWidth + k;
+      if (place.level > 0) {
+        stack[size++] = {distance2, place.level - 1, child};
+        continue;
+      }
+      const std::size_t begin = std::size_t{child} * kLeafFaces;
+      const std::size_t past = std::min(begin + kLeafFaces, triangles_.size());
+      for (std::size_t i = begin; i < past; ++i) {
+        const auto& [a, b, c] = triangles_[i].corners;
+        const glm::dvec3 on = closestPointOnTriangle(point, a, b, c);
+        const glm::dvec3 away = on - point;
+        const double d = glm::dot(away, away);
+        if (d >= best) continue;
+        best = d;
+        nearest = {triangles_[i].face, on};
+      }
+    }
+    // The nearest box last, to be looked into next.
+    std::sort(stack.begin() + first, stack.begin() + size, [](const Place& a, const Place& b) {
+      return a.distance2 > b.distance2;
+    });
+  }
+  return nearest;
 }
 
 std::size_t TriangleBvh::memoryBytes() const {

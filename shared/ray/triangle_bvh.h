@@ -29,6 +29,11 @@ struct RayHit {
   bool front = false;  // the ray comes from the side that the face's normal points to
 };
 
+struct NearestPoint {
+  FaceId face = kNone;
+  glm::dvec3 point{0.0};
+};
+
 /// Rays against the triangles of a mesh on a grid. Two-sided. Nothing slips through between two
 /// triangles that share an edge: a ray that meets the edge itself hits both. Triangles without area
 /// and triangles that contain the ray's line are never hit.
@@ -61,6 +66,10 @@ class TriangleBvh {
 
   /// Every face met, in no particular order.
   [[nodiscard]] std::vector<RayHit> allHits(const Ray& ray) const;
+
+  /// The point of the mesh nearest to `point`; of several faces at one distance any. nullopt: no
+  /// faces. Cost: about O(log faces) near the mesh.
+  [[nodiscard]] std::optional<NearestPoint> closest(const glm::dvec3& point) const;
 
   [[nodiscard]] std::size_t memoryBytes() const;
 

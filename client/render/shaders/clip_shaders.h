@@ -90,6 +90,33 @@ void main() {
 }
 )";
 
+/// The hull by corners: a place, as kMeshVertex, and where that is in the map.
+inline constexpr std::string_view kHullVertex = R"(#version 300 es
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec2 inMap;
+uniform mat4 clipFromCenter;
+out highp vec2 texel;
+void main() {
+  texel = inMap;
+  gl_Position = clipFromCenter * vec4(position, 1.0);
+}
+)";
+
+/// As kShadedFragment, by the map of normals.
+inline constexpr std::string_view kMappedFragment = R"(#version 300 es
+precision highp float;
+in highp vec2 texel;
+uniform highp sampler2D normals;
+uniform vec4 light;  // xyz: towards it
+uniform vec3 surface;
+out vec4 color;
+void main() {
+  vec3 n = 2.0 * texture(normals, texel / vec2(textureSize(normals, 0))).rgb - 1.0;
+  float lit = 0.30 + 0.70 * max(dot(normalize(n), light.xyz), 0.0);
+  color = vec4(surface * lit, 1.0);
+}
+)";
+
 /// The hull over the paper, as far as the outline covers each pixel.
 inline constexpr std::string_view kClipFragment = R"(#version 300 es
 precision highp float;

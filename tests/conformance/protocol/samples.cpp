@@ -102,6 +102,11 @@ std::vector<Sample> samples() {
   add("dropped_all.bin", Sender::kServer, Dropped{3, {}});
   info.hull = HullInfo{2, 200, 32'768, 198, 32'766, {}};
   add("model_info_hull.bin", Sender::kServer, info);
+  info.maps = MapInfo{500, 31, 345'678};
+  add("model_info_maps.bin", Sender::kServer, info);
+  info.maps.reset();
+  add("get_map.bin", Sender::kClient, GetMap{3, MapKind::kNormals, 4});
+  add("map.bin", Sender::kServer, Map{3, MapKind::kNormals, 4, payload});
   info.hull = HullInfo{.reason = "the mesh is open"};
   add("model_info_no_hull.bin", Sender::kServer, info);
   add("get_hull.bin", Sender::kClient, GetHull{3, HullSide::kInner, 500, 2});

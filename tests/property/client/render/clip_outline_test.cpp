@@ -4,6 +4,8 @@
 // silhouette, and that of the mesh itself drawn four times as large and reduced.
 #include "client/render/clip_contours.h"
 #include "server/preprocess/hulls/build_hull.h"
+#include "server/preprocess/maps/normal_map.h"
+#include "server/preprocess/maps/png.h"
 #include "tests/corpus/corpus.h"
 #include "tests/unit/client/render/scene_fixture.h"
 
@@ -147,6 +149,49 @@ TEST_F(ClipOutline, OfModelsIsThatOfTheMesh) {
     if (mesh == nullptr || !mesh->closed) continue;
     check(name, mesh->mesh, 4);
   }
+}
+
+/// RMS of how much lighter or darker two pictures are where both show the model, grey levels.
+double lightDifference(const Image& a, const Image& b) {
+  double squares = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
+    if (a.rgba[i + 2] > 245 || b.rgba[i + 2] > 245) continue;  // white paper
+    const double d = 1.0 * a.rgba[i + 1] - b.rgba[i + 1];
+    squares += d * d;
+    ++count;
+  }
+  return std::sqrt(squares / std::max(count, 1.0));
+}
+
+TEST_F(ClipOutline, AMapOfNormalsLightsTheHullAsTheMeshIsLit) {
+  const TriangleMesh mesh = primitives::bumpySphere(5, 3);
+  MeshSnapshot snapshot = withHull(mesh);
+  renderer_ = makeRenderer(GlBackend::kOsmesa);
+  ASSERT_TRUE(renderer_);
+  const Camera camera = orbitCamera(snapshot.model.sphere, 40.0, 20.0, 2.5, 40.0);
+  RenderOptions options;
+  options.viewport = {kSize, kSize};
+  options.paper = glm::vec3(1.0F);
+  options.draw = DrawMode::kShaded;
+  const auto truth = renderer_->render(snapshot, {}, camera, options);
+  const PolylineSet lines = silhouetteOf(snapshot, camera, SilhouetteKind::kEdges);
+  options.draw = DrawMode::kClip;
+  const auto flat = renderer_->render(snapshot, lines, camera, options);
+  const auto level = hullAfter(*snapshot.outerHull, snapshot.outerHull->splitsFor(kHullFaces));
+  ASSERT_TRUE(level);
+  const NormalMap map = shootNormals(mesh, *level, {.threads = 2});
+  snapshot.model.maps = map.layout;
+  snapshot.normalMap = std::make_shared<const HullMap>(
+      HullMap{map.layout, encodePng(map.layout.width(), map.layout.height(), map.rgb)});
+  ++snapshot.revision;
+  auto fresh = makeRenderer(GlBackend::kOsmesa);
+  const auto mapped = fresh->render(snapshot, lines, camera, options);
+  ASSERT_TRUE(truth && flat && mapped);
+  const double without = lightDifference(flat->image, truth->image);
+  const double with = lightDifference(mapped->image, truth->image);
+  std::printf("light: %.1f grey levels rms by faces, %.1f by the map\n", without, with);
+  EXPECT_LT(with, 0.5 * without);
 }
 
 TEST_F(ClipOutline, FromInsideTheHullTheMeshIsDrawn) {

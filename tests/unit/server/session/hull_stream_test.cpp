@@ -24,7 +24,12 @@ const Hulls& hulls() {
 std::shared_ptr<const Model> hulledModel() {
   const auto sections = encodeHullSections(hulls());
   EXPECT_TRUE(sections->reason.empty()) << sections->reason;
-  auto model = Model::load(memoryAssetOf(primitives::torus(40, 20), 7, 60, sections.get()));
+  const MapSections maps = encodeMapSections(
+      primitives::torus(40, 20),
+      *sections,
+      100,
+      {.texelsPerFace = 200, .threads = 1});
+  auto model = Model::load(memoryAssetOf(primitives::torus(40, 20), 7, 60, sections.get(), &maps));
   EXPECT_TRUE(model) << model.error().message;
   return *model;
 }
@@ -78,6 +83,33 @@ TEST_F(HullLink, RefusesToGoOnFromWhereNothingIs) {
   link_.settle();
   ASSERT_EQ(link_.failures_.size(), 1U);
   EXPECT_EQ(link_.failures_[0], WireError::kState);
+}
+
+TEST_F(HullLink, SendsTheMapOfNormalsWholeAndForTheLevelItSays) {
+  ASSERT_TRUE(link_.decoder().model().maps.has_value());
+  EXPECT_EQ(link_.decoder().model().maps->faces, 100U);
+  link_.send(GetHull{0, kOuterSide, 100, 0});
+  link_.send(protocol::GetMap{0, protocol::MapKind::kNormals, 0});
+  link_.settle();
+  ASSERT_TRUE(link_.decoder().normalMap());
+  EXPECT_EQ(link_.decoder().normalMap()->png.size(), link_.decoder().model().normalMapBytes);
+  EXPECT_GT(link_.decoder().mapPiecesHeld(), 1U);
+  EXPECT_TRUE(link_.failures_.empty());
+  link_.send(protocol::GetMap{0, protocol::MapKind::kNormals, 4000});
+  link_.settle();
+  ASSERT_EQ(link_.failures_.size(), 1U);
+  EXPECT_EQ(link_.failures_[0], WireError::kState);
+}
+
+TEST(HullStream, AModelWithoutMapsSaysSo) {
+  Link link;
+  link.hello();
+  link.open("bumpy");
+  link.settle();
+  link.send(protocol::GetMap{0, protocol::MapKind::kNormals, 0});
+  link.settle();
+  ASSERT_EQ(link.failures_.size(), 1U);
+  EXPECT_EQ(link.failures_[0], WireError::kNotFound);
 }
 
 TEST(HullStream, AModelWithoutHullsSaysSo) {

@@ -4,6 +4,7 @@
 #include "server/preprocess/asset_sections.h"
 #include "server/preprocess/forest/build_forest.h"
 #include "server/preprocess/hull_sections.h"
+#include "server/preprocess/map_sections.h"
 #include "server/session/catalogue.h"
 #include "server/session/model.h"
 #include "server/session/task_runner.h"
@@ -70,12 +71,14 @@ inline std::shared_ptr<const Asset> memoryAssetOf(
     const TriangleMesh& mesh,
     std::uint8_t mark,
     std::uint32_t baseFaces = 60,
-    const HullSections* hulls = nullptr) {
+    const HullSections* hulls = nullptr,
+    const MapSections* maps = nullptr) {
   const BuiltForest built = builtForestOf(mesh, baseFaces);
   Sha256Digest id{};
   id.fill(mark);
   AssetIdentity identity{id, true};
   if (hulls != nullptr) identity.hull = hulls->info;
+  if (maps != nullptr) identity.maps = maps->info;
   const WireSections wire = encodeWireSections(built, {}, identity);
   std::map<std::string, std::vector<std::uint8_t>, std::less<>> parts{
       {sections::kInfo, wire.info},
@@ -88,6 +91,7 @@ inline std::shared_ptr<const Asset> memoryAssetOf(
     parts[sections::kHullOuter] = hulls->outer;
     parts[sections::kHullInner] = hulls->inner;
   }
+  if (maps != nullptr) parts[sections::kMapNormals] = maps->normals;
   return std::make_shared<MemoryAsset>(id, std::move(parts));
 }
 

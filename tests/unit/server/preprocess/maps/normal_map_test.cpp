@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/preprocess/maps/normal_map.h"
+
+#include "server/preprocess/maps/corner_normals.h"
+#include "server/preprocess/maps/png.h"
+
+#include "shared/core/rng.h"
+#include "shared/mesh/closest_point.h"
+#include "shared/mesh/primitives.h"
+#include "shared/ray/triangle_bvh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace limn {
+namespace {
+
+glm::dvec3 normalAt(const NormalMap& map, int x, int y) {
+  const std::size_t at = 3 * static_cast<std::size_t>(y * map.layout.width() + x);
+  return glm::dvec3(map.rgb[at], map.rgb[at + 1], map.rgb[at + 2]) / 127.5 - 1.0;
+}
+
+/// Twice as large about the middle.
+TriangleMesh swollen(TriangleMesh mesh) {
+  glm::ivec3 low = mesh.positions[0];
+  glm::ivec3 high = low;
+  for (const glm::ivec3& p : mesh.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  for (glm::ivec3& p : mesh.positions)
+    p = 2 * p - (low + high) / 2;
+  return mesh;
+}
+
+TEST(MapLayout, TilesLieApartAndInsideTheMap) {
+  for (const std::uint32_t faces : {1U, 2U, 7U, 500U}) {
+    const MapLayout layout{faces, 6};
+    std::set<std::pair<int, int>> used;
+    for (std::uint32_t face = 0; face < faces; ++face) {
+      for (int v = 0; v < layout.leg; ++v) {
+        for (int u = 0; u + v < layout.leg; ++u) {
+          const glm::vec2 a = layout.corner(face, 0);
+          const float scale = 1.0F / static_cast<float>(layout.leg - 1);
+          const glm::vec2 place = a + static_cast<float>(u) * scale * (layout.corner(face, 1) - a) +
+                                  static_cast<float>(v) * scale * (layout.corner(face, 2) - a);
+          const int x = static_cast<int>(std::floor(place.x));
+          const int y = static_cast<int>(std::floor(place.y));
+          EXPECT_NEAR(place.x, static_cast<float>(x) + 0.5F, 1e-3F);
+          ASSERT_TRUE(x >= 1 && y >= 1 && x + 1 < layout.width() && y + 1 < layout.height());
+          ASSERT_TRUE(used.insert({x, y}).second) << face;
+        }
+      }
+    }
+  }
+}
+
+TEST(NormalMap, OfASphereOverALargerOneIsRadial) {
+  const TriangleMesh sphere = primitives::icosphere(5);
+  const TriangleMesh hull = swollen(primitives::icosphere(1));
+  ASSERT_EQ(hull.grid.step, primitives::icosphere(1).grid.step);
+  TriangleMesh onGrid = hull;
+  onGrid.grid = sphere.grid;
+  const NormalMap map = shootNormals(sphere, onGrid, {.texelsPerFace = 60, .threads = 2});
+  EXPECT_EQ(map.misses, 0U);
+  for (std::uint32_t face = 0; face < map.layout.faces; ++face) {
+    for (int k = 0; k < 3; ++k) {
+      const glm::vec2 corner = map.layout.corner(face, k);
+      const glm::dvec3 n = normalAt(map, static_cast<int>(corner.x), static_cast<int>(corner.y));
+      EXPECT_NEAR(glm::length(n), 1.0, 0.02);
+      glm::dvec3 middle(0.0);
+      for (const glm::ivec3& p : onGrid.positions)
+        middle += glm::dvec3(p) / static_cast<double>(onGrid.positions.size());
+      const glm::dvec3 out =
+          glm::normalize(glm::dvec3(onGrid.positions[onGrid.triangles[face][k]]) - middle);
+      EXPECT_GT(glm::dot(n, out), 0.995);
+    }
+  }
+}
+
+TEST(NormalMap, DoesNotDependOnThreads) {
+  const TriangleMesh mesh = primitives::bumpySphere(4, 3);
+  const TriangleMesh hull = swollen(primitives::icosphere(1));
+  TriangleMesh onGrid = hull;
+  onGrid.grid = mesh.grid;
+  const NormalMap one = shootNormals(mesh, onGrid, {.texelsPerFace = 40, .threads = 1});
+  const NormalMap three = shootNormals(mesh, onGrid, {.texelsPerFace = 40, .threads = 3});
+  EXPECT_EQ(one.rgb, three.rgb);
+  EXPECT_EQ(one.misses, three.misses);
+}
+
+TEST(NormalMap, ARayThatMissesTakesTheClosestPoint) {
+  // A hull far to the side: none of its rays meets anything.
+  const TriangleMesh mesh = primitives::icosphere(3);
+  TriangleMesh hull = primitives::icosphere(0);
+  hull.grid = mesh.grid;
+  for (glm::ivec3& p : hull.positions)
+    p.x += 1 << 18;
+  const NormalMap map = shootNormals(mesh, hull, {.texelsPerFace = 30, .threads = 1});
+  EXPECT_GT(map.misses, 0U);
+  for (std::size_t i = 0; i < map.rgb.size(); i += 3)
+    EXPECT_GE(map.rgb[i], 127);  // towards the hull, or no face's texel
+}
+
+TEST(CornerNormals, KeepCreasesAndSmoothTheRest) {
+  const TriangleMesh box = primitives::cube();
+  const auto sharp = cornerNormals(box, 40.0);
+  for (const glm::vec3& n : sharp)
+    EXPECT_NEAR(std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}), 1.0F, 1e-5F);
+  const auto smooth = cornerNormals(box, 180.0);
+  for (const glm::vec3& n : smooth)
+    EXPECT_LT(std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}), 0.9F);
+}
+
+TEST(TriangleBvh, TheClosestPointIsTheNearestOfAllFaces) {
+  const TriangleMesh mesh = primitives::bumpySphere(4, 3);
+  const TriangleBvh tree(mesh.positions, mesh.triangles);
+  Rng rng(5);
+  for (int round = 0; round < 200; ++round) {
+    const auto any = [&rng] { return static_cast<double>(rng.below(40'000)) - 12'000.0; };
+    const glm::dvec3 p(any(), any(), any());
+    double best = 1e300;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const auto corner = [&](int k) { return glm::dvec3(mesh.positions[t[k]]); };
+      best = std::min(
+          best,
+          glm::distance(p, closestPointOnTriangle(p, corner(0), corner(1), corner(2))));
+    }
+    const auto found = tree.closest(p);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(glm::distance(p, found->point), best, 1e-9 * (1.0 + best));
+  }
+}
+
+TEST(Png, StartsAsOne) {
+  const std::vector<std::uint8_t> rgb(3 * 4 * 2, 77);
+  const auto bytes = encodePng(4, 2, rgb);
+  ASSERT_GT(bytes.size(), 8U);
+  EXPECT_EQ(bytes[1], 'P');
+}
+
+}  // namespace
+}  // namespace limn
