@@ -133,7 +133,11 @@ LineFinder::Lines LineFinder::find(const Camera& camera) {
   for (PolylineSet::Line& line : result.lines.lines)
     line.onSurface = light_.has_value();
   appendFeatures(silhouettes, view, result.lines);
-  if (surfaceLines_) surfaceLines_->append(view, result.lines);
+  if (surfaceLines_) {
+    begin = Clock::now();
+    surfaceLines_->append(view, result.lines);
+    result.chainMs += millisecondsSince(begin);
+  }
   return result;
 }
 

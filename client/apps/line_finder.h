@@ -46,7 +46,9 @@ class LineFinder {
     DetectionStats stats;
     std::uint32_t loops = 0;  // closed silhouette lines
     double detectMs = 0.0;
-    double chainMs = 0.0;  // silhouettes; features are found and chained once a mesh
+    /// Silhouettes, and suggestive contours with finding them; other features are found and chained
+    /// once a mesh.
+    double chainMs = 0.0;
   };
 
   [[nodiscard]] Lines find(const Camera& camera);

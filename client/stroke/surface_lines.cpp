@@ -11,6 +11,11 @@
 namespace limn {
 namespace {
 
+/// Where ridges run depends on the curvature's derivative, which a scan's noise turns about more
+/// than the curvature itself: twice the smoothing of suggestive contours.
+constexpr double kRidgeSmoothing = 0.016;
+constexpr double kRidgeSmoothingEdges = 3.0;
+
 /// Segments by the ends of theirs that meet: end 2s is the start of segments[s], 2s + 1 its end.
 class SegmentChainer {
  public:
@@ -107,26 +112,24 @@ SurfaceLines::SurfaceLines(
     std::span<const glm::ivec3> positions,
     std::span<const std::uint8_t> features,
     const SurfaceLineChoice& choice) {
-  if (choice.needsCurvature()) {
-    std::vector<std::uint8_t> sharp(features.begin(), features.end());
-    for (std::uint8_t& feature : sharp)
-      feature &= kFeatureCrease;
-    CurvatureOptions options;
-    options.sharp = sharp;
+  std::vector<std::uint8_t> sharp(features.begin(), features.end());
+  for (std::uint8_t& feature : sharp)
+    feature &= kFeatureCrease;
+  CurvatureOptions options;
+  options.sharp = sharp;
+  if (choice.suggestive) {
     curvature_ = curvatureOf(mesh, positions, options);
+    suggestive_.emplace(mesh, positions, curvature_);
   }
-  if (choice.suggestive) suggestive_.emplace(mesh, positions, curvature_);
-  if (choice.ridge) {
-    chainSegments(
-        findRidges(mesh, positions, curvature_, RidgeKind::kRidge),
-        LineKind::kRidge,
-        fixed_);
-  }
-  if (choice.valley) {
-    chainSegments(
-        findRidges(mesh, positions, curvature_, RidgeKind::kValley),
-        LineKind::kValley,
-        fixed_);
+  if (choice.ridge || choice.valley) {
+    options.smoothing = kRidgeSmoothing;
+    options.smoothingEdges = kRidgeSmoothingEdges;
+    const SurfaceCurvature curvature = curvatureOf(mesh, positions, options);
+    const auto add = [&](RidgeKind kind, LineKind line) {
+      chainSegments(findRidges(mesh, positions, curvature, kind), line, fixed_);
+    };
+    if (choice.ridge) add(RidgeKind::kRidge, LineKind::kRidge);
+    if (choice.valley) add(RidgeKind::kValley, LineKind::kValley);
   }
   if (choice.intersection)
     chainSegments(findSelfIntersections(mesh, positions), LineKind::kIntersection, fixed_);

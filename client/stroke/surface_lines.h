@@ -28,9 +28,7 @@ struct SurfaceLineChoice {
   bool valley = false;
   bool intersection = false;
 
-  [[nodiscard]] bool needsCurvature() const { return suggestive || ridge || valley; }
-
-  [[nodiscard]] bool any() const { return needsCurvature() || intersection; }
+  [[nodiscard]] bool any() const { return suggestive || ridge || valley || intersection; }
 };
 
 /// Finds them on one mesh, which must outlive it unchanged. What does not depend on the view is
@@ -52,7 +50,7 @@ class SurfaceLines {
   void append(const SilhouetteView& view, PolylineSet& lines);
 
  private:
-  SurfaceCurvature curvature_;
+  SurfaceCurvature curvature_;  // for suggestive contours
   std::optional<SuggestiveContours> suggestive_;
   PolylineSet fixed_;
 };

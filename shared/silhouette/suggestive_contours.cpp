@@ -9,10 +9,23 @@
 #include <utility>
 
 namespace limn {
+namespace {
+
+/// Signs of a vertex's values. A line crosses a face whose corners' curvatures differ in sign, and
+/// shows where corners face the eye and pass the test.
+constexpr std::uint8_t kConvex = 1;
+constexpr std::uint8_t kConcave = 2;
+constexpr std::uint8_t kFacing = 4;
+constexpr std::uint8_t kPassing = 8;
+constexpr std::uint8_t kUnknown = 16;
+constexpr std::uint8_t kCrossed = kConvex | kConcave | kFacing | kPassing;
+
+}  // namespace
 
 void SuggestiveContours::evaluate(const SilhouetteView& view) {
   const float threshold = options_.threshold / (curvature_.featureSize * curvature_.featureSize);
   values_.resize(mesh_.vertexCount());
+  signs_.assign(mesh_.vertexCount(), kUnknown);
   for (std::uint32_t i = 0; i < values_.size(); ++i) {
     Value& value = values_[i];
     value = {};
@@ -27,6 +40,8 @@ void SuggestiveContours::evaluate(const SilhouetteView& view) {
     const float v2 = v * v;
     const glm::vec2 k = curvature_.curvatures[i];
     value.curvature = k.x * u2 + k.y * v2;
+    signs_[i] = value.curvature > 0.0F ? kConvex : kConcave;
+    if (value.facing > 0.0F) signs_[i] |= kFacing;
     const float sine2 = u2 + v2;
     // Straight from above there is no radial direction.
     if (!(sine2 > 1e-8F)) continue;
@@ -34,16 +49,15 @@ void SuggestiveContours::evaluate(const SilhouetteView& view) {
     const float torsion = (k.y - k.x) * u * v / sine2;
     const float along = (u2 * (u * c.x + 3.0F * v * c.y) + v2 * (3.0F * u * c.z + v * c.w)) / sine2;
     value.derivative = along - 2.0F * value.facing * torsion * torsion - threshold * value.facing;
+    if (value.derivative > 0.0F) signs_[i] |= kPassing;
   }
 }
 
 void SuggestiveContours::cross(FaceId face) {
   const std::uint32_t* corners = &mesh_.origins[3 * std::size_t{face}];
+  const unsigned signs = signs_[corners[0]] | signs_[corners[1]] | signs_[corners[2]];
+  if (signs != kCrossed) return;
   const std::array<Value, 3> at{values_[corners[0]], values_[corners[1]], values_[corners[2]]};
-  if (curvature_.isKnown[corners[0]] == 0 || curvature_.isKnown[corners[1]] == 0 ||
-      curvature_.isKnown[corners[2]] == 0) {
-    return;
-  }
   const float fade = options_.fade / (curvature_.featureSize * curvature_.featureSize);
   // It runs with the side that curves towards the eye to its left.
   SurfaceSegment segment;

@@ -56,6 +56,7 @@ class SuggestiveContours {
   const SurfaceCurvature& curvature_;
   SuggestiveOptions options_;
   std::vector<Value> values_;
+  std::vector<std::uint8_t> signs_;  // what most faces are passed over by: small enough for a cache
   std::vector<SurfaceSegment> segments_;
 };
 
