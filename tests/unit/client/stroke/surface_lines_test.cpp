@@ -57,11 +57,11 @@ TEST(SurfaceLines, SegmentsChainThroughNodesOfTwoAndLoopsClose) {
 }
 
 TEST(SurfaceLines, OnlyWhatIsAskedForIsFoundAndViewsChangeWhatDependsOnThem) {
-  const TriangleMesh shape = primitives::bumpySphere(4, 5);
+  const TriangleMesh shape = primitives::bumpySphere(5, 5);
   const auto mesh =
       HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
   ASSERT_TRUE(mesh);
-  SurfaceLines finder(*mesh, shape.positions, {}, {.suggestive = true, .valley = true});
+  SurfaceLines finder(*mesh, shape.positions, {}, {.suggestive = true, .ridge = true});
   const auto linesFrom = [&](const glm::dvec3& eye) {
     PolylineSet lines;
     finder.append({eye, {}, false}, lines);
@@ -76,10 +76,10 @@ TEST(SurfaceLines, OnlyWhatIsAskedForIsFoundAndViewsChangeWhatDependsOnThem) {
     return segments;
   };
   EXPECT_GT(countOf(front, LineKind::kSuggestive), 50U);
-  EXPECT_GT(countOf(front, LineKind::kValley), 50U);
-  EXPECT_EQ(countOf(front, LineKind::kRidge), 0U);
+  EXPECT_GT(countOf(front, LineKind::kRidge), 50U);
+  EXPECT_EQ(countOf(front, LineKind::kValley), 0U);
   EXPECT_EQ(countOf(front, LineKind::kIntersection), 0U);
-  EXPECT_EQ(countOf(front, LineKind::kValley), countOf(back, LineKind::kValley));
+  EXPECT_EQ(countOf(front, LineKind::kRidge), countOf(back, LineKind::kRidge));
   EXPECT_NE(front.points, back.points);
 }
 
