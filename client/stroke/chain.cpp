@@ -40,22 +40,26 @@ constexpr std::uint64_t kNoName = ~std::uint64_t{0};
 constexpr std::uint32_t kRead = kNone - 1;
 
 // How many places before and after its own a segment's successor is looked for before the table.
-constexpr std::size_t kNear = 8;
+constexpr std::size_t kNear = 16;
 
 // Of the 2 kNear keys from `keys`, those that are `key`.
-std::uint32_t equalKeys(const std::uint32_t* keys, std::uint32_t key) {
+std::uint64_t equalKeys(const std::uint32_t* keys, std::uint32_t key) {
 #if defined(__SSE2__)
   const __m128i wanted = _mm_set1_epi32(static_cast<int>(key));
   const auto same = [&](std::size_t i) {
     return _mm_cmpeq_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(keys + i)), wanted);
   };
-  const __m128i low = _mm_packs_epi32(same(0), same(4));
-  const __m128i high = _mm_packs_epi32(same(8), same(12));
-  return static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(low, high)));
+  const auto sixteen = [&](std::size_t i) {
+    const __m128i low = _mm_packs_epi32(same(i), same(i + 4));
+    const __m128i high = _mm_packs_epi32(same(i + 8), same(i + 12));
+    return static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(low, high)));
+  };
+  static_assert(kNear == 16);
+  return std::uint64_t{sixteen(16)} << 16 | sixteen(0);
 #else
-  std::uint32_t mask = 0;
+  std::uint64_t mask = 0;
   for (std::size_t i = 0; i < 2 * kNear; ++i)
-    mask |= static_cast<std::uint32_t>(keys[i] == key) << i;
+    mask |= std::uint64_t{keys[i] == key} << i;
   return mask;
 #endif
 }
@@ -307,8 +311,8 @@ void SilhouetteChainer::nameCrossings(
   const VertexSite* vertices = field.vertices().data();
   const std::uint32_t* origins = field.mesh().origins.data();
   const std::size_t count = faces.size();
-  constexpr std::size_t kFarAhead = 32;   // faces whose corners are asked for
-  constexpr std::size_t kNearAhead = 12;  // faces whose corners' vertices are
+  constexpr std::size_t kFarAhead = 64;   // faces whose corners are asked for
+  constexpr std::size_t kNearAhead = 24;  // faces whose corners' vertices are
   // With a margin on both sides.
   names_.resize(count + 2 * kNear + 1);
   keys_.resize(count + 2 * kNear + 1);
@@ -355,10 +359,11 @@ void SilhouetteChainer::linkNeighbours() {
   std::uint32_t* unjoined = unjoined_.data();
   std::size_t left = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t same = equalKeys(keys + i, keyOf(nextNames[i]));
+    const std::uint64_t same = equalKeys(keys + i, keyOf(nextNames[i]));
     // The first of them, else the last of the margin. Where keys are alike by chance, the table
     // finds the right one.
-    const auto place = static_cast<std::size_t>(std::countr_zero(same | 1U << (2 * kNear)));
+    const auto place =
+        static_cast<std::size_t>(std::countr_zero(same | std::uint64_t{1} << (2 * kNear)));
     const bool isSame = names[i + place - kNear] == nextNames[i];
     next[i] = isSame ? static_cast<std::uint32_t>(i + place - kNear) : kNone;
     isContinued[i + place] |= static_cast<std::uint8_t>(isSame);

@@ -271,21 +271,49 @@ void ConesDetector::searchTree(const SilhouetteView& view, std::size_t index) {
   if (vectorCode_ == VectorCode::kAvx512) searchLeaves = silhouette::searchLeavesAvx512;
 #endif
   openTree(query);
-  if (order_ == Order::kTree) {
-    // In pieces, so that the list of open leaves stays in a near cache.
-    constexpr std::size_t kNodes = 128;
-    for (std::size_t begin = 0; begin < frontier_.size(); begin += kNodes) {
-      const std::size_t count = std::min(kNodes, frontier_.size() - begin);
-      open_.clear();
-      openLeaves(query, std::span<const std::uint32_t>(frontier_).subspan(begin, count), open_);
-      searchLeaves(query, open_, result_, nullptr);
-    }
-  } else {
-    open_.clear();
-    openLeaves(query, frontier_, open_);
-    putFirst(lastFrames_[index]);
-    searchLeaves(query, open_, result_, &lastFrames_[index].hits);
+  // In pieces, so that the list of open leaves stays in a near cache.
+  constexpr std::size_t kNodes = 128;
+  const bool isTree = order_ == Order::kTree;
+  LastFrame* last = isTree ? nullptr : &lastFrames_[index];
+  if (last != nullptr) {
+    for (const std::uint32_t leaf : last->hits)
+      last->wasHit[leaf] = 1;
   }
+  std::size_t firsts = 0;
+  std::size_t others = 0;
+  for (std::size_t begin = 0; begin < frontier_.size(); begin += kNodes) {
+    const std::size_t count = std::min(kNodes, frontier_.size() - begin);
+    open_.clear();
+    openLeaves(query, std::span<const std::uint32_t>(frontier_).subspan(begin, count), open_);
+    if (isTree) {
+      searchLeaves(query, open_, result_, nullptr);
+      continue;
+    }
+    // Apart, those that held silhouettes in the last frame; no branch to be mispredicted.
+    if (firsts_.size() < firsts + open_.size()) firsts_.resize(2 * (firsts + open_.size()));
+    if (others_.size() < others + open_.size()) others_.resize(2 * (others + open_.size()));
+    for (const silhouette::OpenLeaf& open : open_) {
+      const std::size_t isFirst = last->wasHit[open.leaf];
+      others_[others] = open;
+      firsts_[firsts] = open;
+      firsts += isFirst;
+      others += 1 - isFirst;
+    }
+  }
+  if (isTree) return;
+  for (const std::uint32_t leaf : last->hits)
+    last->wasHit[leaf] = 0;
+  last->hits.clear();
+  searchLeaves(
+      query,
+      std::span<const silhouette::OpenLeaf>(firsts_).first(firsts),
+      result_,
+      &last->hits);
+  searchLeaves(
+      query,
+      std::span<const silhouette::OpenLeaf>(others_).first(others),
+      result_,
+      &last->hits);
 }
 
 // Every node over leaves that may hold silhouettes.
@@ -308,31 +336,13 @@ void ConesDetector::openTree(const silhouette::Query& query) {
   result_.stats.clustersTested += static_cast<std::uint32_t>(8 * frontier_.size());
 }
 
-// Leaves that held silhouettes in the last frame before the others; no branch to be mispredicted.
-void ConesDetector::putFirst(LastFrame& last) {
-  for (const std::uint32_t leaf : last.hits)
-    last.wasHit[leaf] = 1;
-  others_.resize(open_.size());
-  std::size_t first = 0;
-  std::size_t other = 0;
-  for (const silhouette::OpenLeaf open : open_) {
-    const std::size_t isFirst = last.wasHit[open.leaf];
-    others_[other] = open;
-    open_[first] = open;
-    first += isFirst;
-    other += 1 - isFirst;
-  }
-  std::copy_n(others_.begin(), other, open_.begin() + static_cast<std::ptrdiff_t>(first));
-  for (const std::uint32_t leaf : last.hits)
-    last.wasHit[leaf] = 0;
-  last.hits.clear();
-}
-
 std::size_t ConesDetector::memoryBytes() const {
   std::size_t bytes = forest_->memoryBytes();
   for (const LastFrame& last : lastFrames_)
     bytes += last.wasHit.size() + last.hits.capacity() * sizeof(std::uint32_t);
-  return bytes + (open_.capacity() + others_.capacity()) * sizeof(silhouette::OpenLeaf) +
+  return bytes +
+         (open_.capacity() + firsts_.capacity() + others_.capacity()) *
+             sizeof(silhouette::OpenLeaf) +
          (frontier_.capacity() + below_.capacity() + result_.edges.capacity() +
           result_.faces.capacity()) *
              sizeof(std::uint32_t);

@@ -53,7 +53,6 @@ class ConesDetector final : public SilhouetteDetector {
 
   void searchTree(const SilhouetteView& view, std::size_t index);
   void openTree(const silhouette::Query& query);
-  void putFirst(LastFrame& last);
   void placeSeeds(const DetectorOptions& options);
   void startFromSeeds(const glm::vec3& toEye);
 
@@ -64,6 +63,8 @@ class ConesDetector final : public SilhouetteDetector {
   std::vector<std::uint32_t> frontier_;  // entries of one level that may hold silhouettes
   std::vector<std::uint32_t> below_;
   std::vector<silhouette::OpenLeaf> open_;
+  // kLastFrameFirst: open leaves that held silhouettes in the last frame, and others. Never shrink.
+  std::vector<silhouette::OpenLeaf> firsts_;
   std::vector<silhouette::OpenLeaf> others_;
   std::vector<LastFrame> lastFrames_;  // kLastFrameFirst: by tree
   // kLastFrameFirst, for the first frame: seeds, and by vertex slot of a seed the tree and leaf.

@@ -256,13 +256,18 @@ class Bench:
         if names:
             os.environ["LIMN_MODELS"] = str(self.files[names[0]].parent)
         cones = {}
-        for line in harness.run("limn-silhouette-bench", *(["--quick"] if self.quick else [])).splitlines():
+        # Row by row: all of it takes minutes.
+        bench = subprocess.Popen([harness.BIN / "limn-silhouette-bench", *(["--quick"] if self.quick else [])],
+                                 stdout=subprocess.PIPE, text=True)
+        for line in bench.stdout:
             row = json.loads(line)
             mesh = row["mesh"].removesuffix(".ply")
             if row["row"] == "cones, edges":
                 cones[mesh] = row["ours"]
             self.table.add("silhouette, " + row["row"], mesh, row["ours"], row["reference"] or None, row["target"] or None,
                            row["unit"])
+        if bench.wait() != 0:
+            raise AssertionError("limn-silhouette-bench failed")
         script = pathlib.Path(__file__).resolve().parent / "vtk_silhouette.py"
         # Debian's module is for Debian's Python, which need not be the one that runs this.
         python = "/usr/bin/python3" if os.access("/usr/bin/python3", os.X_OK) else sys.executable
