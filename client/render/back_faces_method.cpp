@@ -66,7 +66,7 @@ Change changeOf(DrawMode mode) {
     case DrawMode::kBackZScale:
       return {.grow = kBarely, .pullShare = 0.0014F};
     case DrawMode::kBackOffset:
-      return {.grow = kBarely, .bySlope = 2.0F, .mostBySlope = 4.0F};
+      return {.grow = kBarely, .bySlope = 1.2F, .mostBySlope = 5.0F};
     case DrawMode::kBackCharcoal:
       return {.grow = 1.0F, .steepest = 12.0F, .grazing = 0.1F};
     default:

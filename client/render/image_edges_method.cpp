@@ -18,7 +18,7 @@ namespace {
 /// Second difference of depth that is a step: pixels' worth a pixel of reach.
 constexpr float kJump = 6.0F;
 /// Cosines of the normals' difference for full ink and for none.
-constexpr glm::vec2 kCreases(0.72F, 0.80F);
+constexpr glm::vec2 kCreases(0.62F, 0.72F);
 
 }  // namespace
 

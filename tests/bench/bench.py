@@ -16,7 +16,7 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "integration"))
 import harness  # noqa: E402
 
-GROUPS = ("stream", "simplify", "hull", "silhouette", "visibility", "clip", "server")
+GROUPS = ("stream", "simplify", "hull", "silhouette", "visibility", "clip", "draw", "server")
 # Bytes until settled and exact (edges) over one Draco mesh of the same 12-bit grid.
 SELECTION_TARGETS = {
     "bunny-closed": {"settled": 0.10, "exact": 0.60},
@@ -27,6 +27,9 @@ SELECTION_TARGETS = {
 # Outer hull volume over mesh volume at so many faces, target, and libigl 2.4's progressive_hulls at its best (mean edge
 # scaled to 1): measured once on these files, with its quadratic program and one core; see server/preprocess/README.md.
 HULL_TARGETS = {"bunny-closed": (500, 1.09, 1.120), "torus-knot": (1000, 1.11, 1.130), "rocker-arm": (1000, 1.05, 1.060)}
+# Frame times over those of the shaded frame in papers/000, section 5: Venus, 5,672 faces (66 frames a second shaded, 40, 50
+# and 11.5), and the face of 13,408 (30 and 5). Its other ways have no times.
+DRAW_COSTS = {"wireframe": 66 / 40, "z-scale": 66 / 50, "fatten": 66 / 11.5, "charcoal": 30 / 5}
 LIBIGL = "libigl progressive_hulls, quoted"
 EXTENSIONS = {".ply", ".obj", ".stl", ".off", ".glb", ".gltf"}
 
@@ -326,6 +329,23 @@ class Bench:
             self.table.add("maps, bytes", name, store["bytes"]["maps"])
             self.table.add("hulls and maps, seconds", name, store["seconds"]["hull"] + store["seconds"]["maps"], None, None, "s")
 
+    def draw_methods(self):
+        """Ways to draw that find silhouettes on the GPU: ink within 2 px of exact visible contours, the longest ink that is
+        none of theirs, and frame times over the shaded frame's, beside the paper's. Charcoal means to draw on the front."""
+        names = [n for n in ("bunny-closed", "torus-knot", "fandisk") if n in self.files] or list(self.files)[:1]
+        for name in names[:1] if self.quick else names:
+            os.environ["LIMN_MODELS"] = str(self.files[name].parent)
+            for line in harness.run("limn-draw-bench", self.files[name].name).splitlines():
+                row = json.loads(line)
+                way = row["draw"].replace("image-precision:", "")
+                if way == "shaded":
+                    self.table.add("frame, shaded, CPU", name, row["ms"], None, None, "ms")
+                    continue
+                self.table.add("frame, %s, of shaded" % way, name, row["of_shaded"], DRAW_COSTS.get(way), None, "x",
+                               quoted="papers/000" if way in DRAW_COSTS else None)
+                self.table.add("  contours covered", name, row["covered_percent"], None, 99, "%", better="higher")
+                self.table.add("  false line, longest", name, row["false_px"], None, None if way == "charcoal" else 3, "px")
+
     def server(self):
         name = "dragon" if "dragon" in self.files else list(self.files)[-1]
         self.prepare(name)
@@ -375,7 +395,7 @@ def main():
         bench.table.head()
         for group in [g for g in GROUPS if g in arguments.groups or not arguments.groups]:
             try:
-                getattr(bench, group)()
+                getattr(bench, "draw_methods" if group == "draw" else group)()
             except (AssertionError, subprocess.SubprocessError, OSError, KeyError, TypeError) as error:
                 print("%s: %s" % (group, error), file=sys.stderr)
                 status = 1

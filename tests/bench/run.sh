@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Builds a release and measures it; prints one table: row, mesh, ours, reference, ratio, target, met or not.
-#   tests/bench/run.sh [stream] [simplify] [hull] [silhouette] [visibility] [clip] [server] [--models DIR] [--quick] [--json F]
+#   tests/bench/run.sh [stream] [simplify] [hull] [silhouette] [visibility] [clip] [draw] [server] [--models DIR] [--quick] [--json F]
 # Without a group: all of them. Without --models: ../shared/models when there, else generated meshes. Any good mesh can be
 # put in DIR. --quick takes the three smallest real meshes (or the generated ones) and shortens the load run.
 set -eu
@@ -20,6 +20,7 @@ for group in "$@"; do
   case $group in
     silhouette) targets="$targets limn-silhouette-bench" ;;
     visibility) targets="$targets limn-visibility-bench limn-device-visibility-bench" ;;
+    draw) targets="$targets limn-draw-bench" ;;
     hull) targets="$targets limn-hull-bench" ;;
     simplify) targets="$targets limn-prepare limn-simplify-bench" ;;
     stream) targets="$targets limn-prepare limn-server limn-client limn-codec-bench limn-selection-bench" ;;
@@ -27,7 +28,7 @@ for group in "$@"; do
     server) targets="$targets limn-prepare limn-server limn-load limn-delivery-bench" ;;
   esac
 done
-[ -n "$targets" ] || targets="limn-codec-bench limn-contour-bench limn-hull-bench limn-prepare limn-server limn-client limn-load limn-visibility-bench limn-device-visibility-bench limn-selection-bench limn-delivery-bench limn-simplify-bench limn-silhouette-bench"
+[ -n "$targets" ] || targets="limn-codec-bench limn-contour-bench limn-hull-bench limn-prepare limn-server limn-client limn-load limn-visibility-bench limn-device-visibility-bench limn-draw-bench limn-selection-bench limn-delivery-bench limn-simplify-bench limn-silhouette-bench"
 # shellcheck disable=SC2086 # a list
 cmake --build --preset release --target $targets >build/release/bench-build.log 2>&1 || {
   tail -n 40 build/release/bench-build.log >&2
