@@ -245,6 +245,7 @@ Result<Body> read(const wire::ModelInfo& m) {
   info.blockLevels = m.block_levels();
   info.splitModel = view(m.split_model());
   info.seedBytes = m.seed_bytes();
+  info.attributes = m.attributes();
   const auto asset = digest(view(m.asset()));
   if (!asset) return bad("ModelInfo.asset is not 32 bytes");
   info.asset = *asset;
@@ -261,6 +262,7 @@ Result<Body> read(const wire::ModelInfo& m) {
   }
   if (info.splitModel.size() > limits::kMaxSplitModelBytes)
     return tooLarge("ModelInfo.split_model");
+  if (info.attributes > limits::kMaxAttributeKinds) return bad("ModelInfo.attributes");
   if (info.seedBytes > limits::kMaxSeedBytes) return tooLarge("ModelInfo.seed_bytes");
   if (m.hull() != nullptr) {
     const auto hull = readHull(*m.hull());
@@ -286,12 +288,12 @@ Result<Body> read(const wire::Base& m) {
 Result<Body> read(const wire::LevelBlock& m) {
   if (m.level() < 1 || m.level() >= limits::kMaxLevels) return bad("LevelBlock.level");
   if (m.splits()->size() == 0) return bad("LevelBlock.splits is empty");
-  return LevelBlock{m.channel(), m.level(), view(m.splits())};
+  return LevelBlock{m.channel(), m.level(), view(m.splits()), view(m.attributes())};
 }
 
 Result<Body> read(const wire::Packet& m) {
   if (m.splits()->size() == 0) return bad("Packet.splits is empty");
-  return Packet{m.channel(), m.pose(), view(m.splits())};
+  return Packet{m.channel(), m.pose(), view(m.splits()), view(m.attributes())};
 }
 
 Result<Body> read(const wire::Seeds& m) {
@@ -555,6 +557,7 @@ struct Writer {
     info.add_seed_bytes(m.seedBytes);
     if (m.hull) info.add_hull(hull);
     if (m.maps) info.add_maps(maps);
+    info.add_attributes(m.attributes);
     return info.Finish().Union();
   }
 
@@ -565,11 +568,15 @@ struct Writer {
   }
 
   auto operator()(const LevelBlock& m) {
-    return wire::CreateLevelBlock(b, m.channel, m.level, bytesOf(b, m.splits)).Union();
+    const auto splits = bytesOf(b, m.splits);
+    const auto attributes = m.attributes.empty() ? 0 : bytesOf(b, m.attributes);
+    return wire::CreateLevelBlock(b, m.channel, m.level, splits, attributes).Union();
   }
 
   auto operator()(const Packet& m) {
-    return wire::CreatePacket(b, m.channel, m.pose, bytesOf(b, m.splits)).Union();
+    const auto splits = bytesOf(b, m.splits);
+    const auto attributes = m.attributes.empty() ? 0 : bytesOf(b, m.attributes);
+    return wire::CreatePacket(b, m.channel, m.pose, splits, attributes).Union();
   }
 
   auto operator()(const Seeds& m) {

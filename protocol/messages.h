@@ -163,6 +163,7 @@ struct ModelInfo {
   std::uint32_t seedBytes = 0;  // that will come; 0: none, or all at once
   std::optional<HullInfo> hull;
   std::optional<MapInfo> maps;
+  std::uint8_t attributes = 0;  // AttributeKind bits
 };
 
 struct Base {
@@ -175,12 +176,14 @@ struct LevelBlock {
   std::uint8_t channel = 0;
   std::uint8_t level = 1;
   Bytes splits;
+  Bytes attributes{};  // empty: the model has none
 };
 
 struct Packet {
   std::uint8_t channel = 0;
   std::uint32_t pose = 0;
   Bytes splits;
+  Bytes attributes{};  // empty: the model has none
 };
 
 struct Seeds {

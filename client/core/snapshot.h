@@ -40,6 +40,7 @@ struct ModelDescription {
   std::uint32_t vertices = 0;  // of the full mesh
   std::uint32_t faces = 0;
   bool closed = false;
+  std::uint8_t attributeKinds = 0;      // AttributeKind bits
   std::optional<HullDescription> hull;  // unset: the asset knows of none
   std::optional<MapLayout> maps;        // over the outer hull's level of so many faces
   std::uint32_t normalMapBytes = 0;

@@ -25,6 +25,7 @@ ModelDescription describe(const protocol::ModelInfo& info) {
   model.vertices = info.vertices;
   model.faces = info.faces;
   model.closed = info.closed;
+  model.attributeKinds = info.attributes;
   if (info.hull) {
     model.hull = HullDescription{
         {info.hull->outerBase, info.hull->outerFinest},
@@ -59,7 +60,7 @@ Result<void> StreamDecoder::beginModel(const protocol::ModelInfo& info) {
   model_ = describe(info);
   levelBegin_ = info.levelBegin;
   blockLevels_ = info.blockLevels;
-  splits_ = SplitDecoder(std::move(*splitModel));
+  splits_ = SplitDecoder(std::move(*splitModel), info.attributes);
   seedBytesExpected_ = info.seedBytes;
   return {};
 }
@@ -71,6 +72,11 @@ Result<void> StreamDecoder::take(const protocol::Base& message) {
   if (!base) return tl::unexpected(base.error().within("base mesh"));
   if (auto onGrid = checkOnGrid(*base, model_->grid.bits); !onGrid) {
     return tl::unexpected(onGrid.error());
+  }
+  if (base->attributes.kinds() != (model_->attributeKinds & ~kAttributeSeams)) {
+    return fail(
+        ErrorCode::kCorrupt,
+        "the base mesh has other attributes than the model's description says");
   }
   base->grid = model_->grid;
   auto features = protocol::unpackBaseFeatures(
@@ -92,12 +98,12 @@ Result<void> StreamDecoder::take(const protocol::LevelBlock& message) {
         ErrorCode::kProtocol,
         "level " + std::to_string(message.level) + " does not travel as a level block");
   }
-  return takeSplits(message.splits);
+  return takeSplits(message.splits, message.attributes);
 }
 
 Result<void> StreamDecoder::take(const protocol::Packet& message) {
   if (!hasBase_) return fail(ErrorCode::kProtocol, "a packet came before the base mesh");
-  return takeSplits(message.splits);
+  return takeSplits(message.splits, message.attributes);
 }
 
 Result<void> StreamDecoder::take(const protocol::Seeds& message) {
@@ -169,10 +175,10 @@ Result<void> StreamDecoder::undo(std::span<const VertexId> ids) {
   return {};
 }
 
-Result<void> StreamDecoder::takeSplits(protocol::Bytes splits) {
+Result<void> StreamDecoder::takeSplits(protocol::Bytes splits, protocol::Bytes attributes) {
   // Even a run that fails half-way may have changed the mesh.
   ++revision_;
-  const auto applied = splits_.decode(splits, mesh_);
+  const auto applied = splits_.decode(splits, mesh_, attributes);
   if (!applied) return tl::unexpected(applied.error().within("vertex splits"));
   if (complete() && mesh_.mesh().faceCount() != model_->faces) {
     return fail(

@@ -88,7 +88,7 @@ class StreamDecoder {
   [[nodiscard]] std::shared_ptr<const MeshSnapshot> snapshot() const;
 
  private:
-  Result<void> takeSplits(protocol::Bytes splits);
+  Result<void> takeSplits(protocol::Bytes splits, protocol::Bytes attributes);
 
   std::optional<ModelDescription> model_;
   std::vector<std::uint32_t> levelBegin_;

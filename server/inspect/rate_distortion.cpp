@@ -129,8 +129,11 @@ std::uint64_t packetBytes(const Model& model, std::span<const VertexId> ids) {
         model.forest(),
         model.splitModel(),
         ids.first(std::min(kPacketSplits, ids.size())));
+    const auto attributes =
+        encodeAttributes(model.forest(), ids.first(std::min(kPacketSplits, ids.size())));
     bytes += protocol::webSocketFrameBytes(
-        protocol::encodeMessage(protocol::Packet{.splits = splits}).size());
+        protocol::encodeMessage(protocol::Packet{.splits = splits, .attributes = attributes})
+            .size());
   }
   return bytes;
 }
@@ -139,7 +142,10 @@ Result<std::uint64_t> dracoBytesOf(const ActiveMesh& mesh, const Grid& grid) {
   const auto positions = mesh.positions();
   const auto triangles = mesh.mesh().triangles();
   const auto draco = encodeDraco(
-      {grid, {positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}},
+      {grid,
+       {positions.begin(), positions.end()},
+       {triangles.begin(), triangles.end()},
+       mesh.attributes()},
       kDracoSpeed);
   if (!draco) return tl::unexpected(draco.error());
   return draco->bytes.size();

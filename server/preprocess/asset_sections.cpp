@@ -5,6 +5,7 @@
 #include "protocol/framing.h"
 #include "protocol/messages.h"
 
+#include "shared/codec/attribute_codec.h"
 #include "shared/codec/seed_codec.h"
 #include "shared/codec/split_codec.h"
 
@@ -70,7 +71,8 @@ WireSections encodeWireSections(
           .blockLevels = static_cast<std::uint8_t>(blockLevels),
           .splitModel = modelBytes,
           .hull = identity.hull,
-          .maps = identity.maps}));
+          .maps = identity.maps,
+          .attributes = forest.attributeKinds()}));
 
   const std::vector<std::uint8_t> features = protocol::packBaseFeatures(forest.baseFeatures);
   const auto base =
@@ -80,14 +82,15 @@ WireSections encodeWireSections(
   sections.featureBytes = features.size();
 
   for (std::uint32_t level = 1; level <= blockLevels; ++level) {
-    const auto splits = encodeLevelRun(
-        forest,
-        model,
-        fronts,
-        forest.levelBegin[level],
-        forest.levelBegin[level + 1]);
-    const auto message = protocol::encodeMessage(
-        protocol::LevelBlock{.level = static_cast<std::uint8_t>(level), .splits = splits});
+    const VertexId begin = forest.levelBegin[level];
+    const VertexId end = forest.levelBegin[level + 1];
+    const auto splits = encodeLevelRun(forest, model, fronts, begin, end);
+    const auto attributes = encodeAttributes(forest, begin, end);
+    sections.attributeBytes += attributes.size();
+    const auto message = protocol::encodeMessage(protocol::LevelBlock{
+        .level = static_cast<std::uint8_t>(level),
+        .splits = splits,
+        .attributes = attributes});
     protocol::appendFrame(sections.blocks, message);
     sections.levelBytes.push_back(protocol::webSocketFrameBytes(message.size()));
   }
@@ -98,7 +101,10 @@ WireSections encodeWireSections(
          begin += kLevelRunSplits) {
       const VertexId end = std::min(begin + kLevelRunSplits, forest.levelBegin[level + 1]);
       const auto splits = encodeLevelRun(forest, model, fronts, begin, end);
-      const auto message = protocol::encodeMessage(protocol::Packet{.splits = splits});
+      const auto attributes = encodeAttributes(forest, begin, end);
+      sections.attributeBytes += attributes.size();
+      const auto message =
+          protocol::encodeMessage(protocol::Packet{.splits = splits, .attributes = attributes});
       protocol::appendFrame(sections.packets, message);
       bytes += protocol::webSocketFrameBytes(message.size());
     }

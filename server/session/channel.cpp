@@ -3,6 +3,7 @@
 
 #include "protocol/limits.h"
 
+#include "shared/codec/attribute_codec.h"
 #include "shared/codec/id_set.h"
 
 #include <algorithm>
@@ -518,7 +519,7 @@ std::optional<OutMessage> Channel::nextNeeded(const Window& window) {
   if (!window.allows(options_.packetBytes)) return std::nullopt;
   const std::size_t room = roomFor(4);
   if (const Model::Run* run = nextRun(); run != nullptr && run->end - run->begin <= room) {
-    if (!window.allows(run->splits.size())) return std::nullopt;
+    if (!window.allows(run->splits.size() + run->attributes.size())) return std::nullopt;
     return packetOf(*run);
   }
   // With no room left it still matters whether anything is missing.
@@ -563,23 +564,26 @@ const Model::Run* Channel::nextRun() const {
 
 OutMessage Channel::packetOf(const Model::Run& run) {
   have_.addRange(run.begin, run.end);
-  return packetOf(run.splits);
+  return packetOf(run.splits, run.attributes);
 }
 
 OutMessage Channel::packetOf(const std::vector<VertexId>& ids) {
   const auto splits = model_->packets().packet(ids);
+  const std::vector<std::uint8_t> attributes = encodeAttributes(model_->forest(), ids);
   for (const VertexId v : ids)
     have_.add(v);
-  const double measured = static_cast<double>(splits->size()) / static_cast<double>(ids.size());
+  const double measured =
+      static_cast<double>(splits->size() + attributes.size()) / static_cast<double>(ids.size());
   bytesPerSplit_ = std::max(0.25, 0.5 * (bytesPerSplit_ + measured));
-  return packetOf(protocol::Bytes(*splits));
+  return packetOf(protocol::Bytes(*splits), attributes);
 }
 
-OutMessage Channel::packetOf(protocol::Bytes splits) const {
+OutMessage Channel::packetOf(protocol::Bytes splits, protocol::Bytes attributes) const {
   protocol::Packet packet;
   packet.channel = request_.id;
   packet.pose = pose_->id;
   packet.splits = splits;
+  packet.attributes = attributes;
   OutMessage out;
   out.payload = true;
   out.owned = protocol::encodeMessage(packet);

@@ -167,7 +167,7 @@ class Channel {
   [[nodiscard]] const Model::Run* nextRun() const;
   [[nodiscard]] OutMessage packetOf(const std::vector<VertexId>& ids);
   [[nodiscard]] OutMessage packetOf(const Model::Run& run);
-  [[nodiscard]] OutMessage packetOf(protocol::Bytes splits) const;
+  [[nodiscard]] OutMessage packetOf(protocol::Bytes splits, protocol::Bytes attributes) const;
   [[nodiscard]] std::size_t splitsAPacket() const;
   [[nodiscard]] std::optional<OutMessage> nextSettled();
   [[nodiscard]] std::vector<VertexId> choose(std::size_t maxSplits);

@@ -126,8 +126,9 @@ Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> as
   model->smoothCones_ = smoothConesOf(model->forest_);
 
   const protocol::ModelInfo& says = model->info();
-  if (says.levelBegin != model->forest_.levelBegin || says.blockLevels != model->blocks_.size() ||
-      says.asset != model->asset_->id()) {
+  if (says.levelBegin != model->forest_.levelBegin ||
+      says.attributes != model->forest_.attributeKinds() ||
+      says.blockLevels != model->blocks_.size() || says.asset != model->asset_->id()) {
     return corrupt("its sections do not belong together");
   }
   for (std::size_t i = 0; i < model->blocks_.size(); ++i) {
@@ -147,14 +148,14 @@ bool Model::takeRuns(std::span<const Bytes> packets) {
   for (const Bytes packet : packets) {
     auto message = protocol::decodeMessage(packet, protocol::Sender::kServer);
     if (!message) return false;
-    const Bytes splits = message->as<protocol::Packet>()->splits;
+    const auto& [channel, pose, splits, attributes] = *message->as<protocol::Packet>();
     const auto head = levelRunHead(splits);
     if (!head || head->begin != next || head->count == 0 ||
         head->count > forest_.vertexCount() - next) {
       return false;
     }
     next += head->count;
-    runs_.push_back({head->begin, next, splits});
+    runs_.push_back({head->begin, next, splits, attributes});
     runMessages_.push_back(std::move(*message));
   }
   return next == forest_.vertexCount();
@@ -199,7 +200,9 @@ std::size_t Model::bytes() const {
       f.positions.capacity() * sizeof(glm::ivec3) +
       (f.baseTriangles.capacity() + f.triangles.capacity()) * sizeof(glm::uvec3) +
       (f.parents.capacity() + f.ringBegin.capacity() + f.rings.capacity()) * sizeof(VertexId) +
-      f.cuts.capacity() * sizeof(RingCut) + f.features.capacity() +
+      f.cuts.capacity() * sizeof(RingCut) + f.features.capacity() + f.seams.capacity() +
+      f.attributes.colors.capacity() * sizeof(SrgbColor) +
+      f.attributes.normals.capacity() * sizeof(OctNormal) +
       f.bounds.capacity() * sizeof(SplitBounds) + smoothCones_.capacity() * sizeof(SplitCone);
   const std::lock_guard lock(mutex_);
   return sizeof(*this) + forest + (full_ ? full_->bytes() : 0) +

@@ -54,6 +54,7 @@ class Model {
     VertexId begin = 0;
     VertexId end = 0;
     protocol::Bytes splits;  // as in Packet
+    protocol::Bytes attributes;
   };
 
   /// In order, without gaps, to the last vertex.

@@ -5,11 +5,56 @@
 #include <draco/compression/encode.h>
 #include <draco/mesh/mesh.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
 namespace limn {
 namespace {
+
+using draco::GeometryAttribute;
+
+// Value i of the attribute belongs to vertex i.
+template <class Vector>
+void addAttribute(
+    draco::Mesh& mesh,
+    GeometryAttribute::Type type,
+    draco::DataType valueType,
+    const std::vector<Vector>& values) {
+  GeometryAttribute description;
+  description.Init(
+      type,
+      nullptr,
+      static_cast<std::int8_t>(Vector::length()),
+      valueType,
+      false,
+      sizeof(Vector),
+      0);
+  draco::PointAttribute* attribute = mesh.attribute(
+      mesh.AddAttribute(description, true, static_cast<std::uint32_t>(values.size())));
+  for (std::uint32_t v = 0; v < values.size(); ++v)
+    attribute->SetAttributeValue(draco::AttributeValueIndex(v), &values[v].x);
+}
+
+// One value a point. Nothing where the mesh has no such attribute; false where it is another one.
+template <class Vector>
+bool readAttribute(
+    const draco::Mesh& mesh,
+    GeometryAttribute::Type type,
+    draco::DataType valueType,
+    std::vector<Vector>& values) {
+  const draco::PointAttribute* attribute = mesh.GetNamedAttribute(type);
+  if (attribute == nullptr) return true;
+  if (attribute->data_type() != valueType || attribute->num_components() != Vector::length())
+    return false;
+  values.resize(mesh.num_points());
+  for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
+    const draco::PointIndex point(i);
+    if (attribute->mapped_index(point).value() >= attribute->size()) return false;
+    attribute->GetMappedValue(point, &values[i].x);
+  }
+  return true;
+}
 
 std::unique_ptr<draco::Mesh> toDraco(const TriangleMesh& mesh) {
   auto result = std::make_unique<draco::Mesh>();
@@ -22,20 +67,11 @@ std::unique_ptr<draco::Mesh> toDraco(const TriangleMesh& mesh) {
       face[k] = draco::PointIndex(mesh.triangles[f][k]);
     result->SetFace(draco::FaceIndex(f), face);
   }
-  draco::GeometryAttribute description;
-  description.Init(
-      draco::GeometryAttribute::POSITION,
-      nullptr,
-      3,
-      draco::DT_INT32,
-      false,
-      3 * sizeof(std::int32_t),
-      0);
-  draco::PointAttribute* positions =
-      result->attribute(result->AddAttribute(description, true, vertices));
-  for (std::uint32_t v = 0; v < vertices; ++v) {
-    positions->SetAttributeValue(draco::AttributeValueIndex(v), &mesh.positions[v].x);
-  }
+  addAttribute(*result, GeometryAttribute::POSITION, draco::DT_INT32, mesh.positions);
+  if (!mesh.attributes.colors.empty())
+    addAttribute(*result, GeometryAttribute::COLOR, draco::DT_UINT8, mesh.attributes.colors);
+  if (!mesh.attributes.normals.empty())
+    addAttribute(*result, GeometryAttribute::GENERIC, draco::DT_UINT16, mesh.attributes.normals);
   return result;
 }
 
@@ -94,8 +130,9 @@ Result<DracoMesh> encodeDraco(const TriangleMesh& mesh, int speed) {
     return fail(ErrorCode::kInvalidArgument, "a mesh without faces cannot be coded");
   DracoMesh result;
   // A decoder numbers vertices as its traversal of the connectivity meets them. Positions do not
-  // matter for that: a first pass carries vertex numbers in their place, and tells the order.
-  TriangleMesh numbered{mesh.grid, {}, mesh.triangles};
+  // matter for that (that there are attributes does): a first pass carries vertex numbers in their
+  // place, and tells the order.
+  TriangleMesh numbered{mesh.grid, {}, mesh.triangles, mesh.attributes};
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
     numbered.positions.emplace_back(v, 0, 0);
   draco::EncoderBuffer numbers;
@@ -130,21 +167,20 @@ Result<TriangleMesh> decodeDraco(
   auto decoded = draco::Decoder().DecodeMeshFromBuffer(&in);
   if (!decoded.ok()) return fail(ErrorCode::kCorrupt, "Draco mesh is damaged");
   const draco::Mesh& mesh = *decoded.value();
-  const draco::PointAttribute* positions =
-      mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
-  if (positions == nullptr || positions->data_type() != draco::DT_INT32 ||
-      positions->num_components() != 3 || mesh.num_points() > maxVertices ||
-      mesh.num_faces() > maxFaces) {
+  if (mesh.GetNamedAttribute(GeometryAttribute::POSITION) == nullptr ||
+      mesh.num_points() > maxVertices || mesh.num_faces() > maxFaces) {
     return fail(ErrorCode::kCorrupt, "Draco mesh has no integer positions");
   }
   TriangleMesh result;
-  result.positions.resize(mesh.num_points());
-  for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
-    const draco::PointIndex point(i);
-    if (positions->mapped_index(point).value() >= positions->size()) {
-      return fail(ErrorCode::kCorrupt, "Draco mesh is damaged");
-    }
-    positions->GetMappedValue(point, &result.positions[i].x);
+  AttributeArrays& attributes = result.attributes;
+  if (!readAttribute(mesh, GeometryAttribute::POSITION, draco::DT_INT32, result.positions) ||
+      !readAttribute(mesh, GeometryAttribute::COLOR, draco::DT_UINT8, attributes.colors) ||
+      !readAttribute(mesh, GeometryAttribute::GENERIC, draco::DT_UINT16, attributes.normals)) {
+    return fail(ErrorCode::kCorrupt, "Draco mesh is damaged");
+  }
+  for (const OctNormal& normal : attributes.normals) {
+    if (std::max(normal.x, normal.y) > 2 * kOctRadius)
+      return fail(ErrorCode::kCorrupt, "Draco mesh has an impossible normal");
   }
   result.triangles.resize(mesh.num_faces());
   for (std::uint32_t f = 0; f < mesh.num_faces(); ++f) {

@@ -10,7 +10,7 @@
 
 namespace limn {
 
-/// A mesh as Draco codes it (edgebreaker, integer positions, lossless).
+/// A mesh as Draco codes it (edgebreaker, integer positions and attributes, lossless).
 struct DracoMesh {
   std::vector<std::uint8_t> bytes;
   /// order[i]: index in the encoded mesh of the vertex that a decoder gives number i. Draco numbers
@@ -21,8 +21,8 @@ struct DracoMesh {
 /// speed: Draco's 0 (smallest) to 10. Errors: kInvalidArgument for an empty mesh.
 [[nodiscard]] Result<DracoMesh> encodeDraco(const TriangleMesh& mesh, int speed = 0);
 
-/// Positions and triangles; the grid is the caller's. Counts in the header are checked against the
-/// limits before Draco runs. Errors: kCorrupt, kLimitExceeded.
+/// Positions, triangles and the attributes that were coded; the grid is the caller's. Counts in the
+/// header are checked against the limits before Draco runs. Errors: kCorrupt, kLimitExceeded.
 [[nodiscard]] Result<TriangleMesh>
 decodeDraco(std::span<const std::uint8_t> bytes, std::uint32_t maxVertices, std::uint32_t maxFaces);
 

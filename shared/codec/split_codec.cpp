@@ -415,7 +415,10 @@ SplitBits measureLevelRun(
   return meter.bits();
 }
 
-Result<std::uint32_t> SplitDecoder::decode(std::span<const std::uint8_t> bytes, ActiveMesh& mesh) {
+Result<std::uint32_t> SplitDecoder::decode(
+    std::span<const std::uint8_t> bytes,
+    ActiveMesh& mesh,
+    std::span<const std::uint8_t> attributes) {
   VarintReader header(bytes);
   const auto counted = header.read();
   if (!counted) return damaged("no count");
@@ -448,7 +451,8 @@ Result<std::uint32_t> SplitDecoder::decode(std::span<const std::uint8_t> bytes, 
     }
   }
   BinReader bins(model_.probabilities, header.rest());
-  if (!bins.isValid()) return damaged("no coded bits");
+  AttributeReader attributeReader(attributeKinds_, attributes);
+  if (!bins.isValid() || !attributeReader.isValid()) return damaged("no coded bits");
 
   NameState names;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -465,17 +469,21 @@ Result<std::uint32_t> SplitDecoder::decode(std::span<const std::uint8_t> bytes, 
         return damaged("a vertex that the model does not have");
       }
     }
-    if (auto shaped = decodeShape(bins, mesh, split); !shaped) {
+    if (auto shaped = decodeShape(bins, attributeReader, mesh, split); !shaped) {
       return tl::unexpected(shaped.error());
     }
     if (auto applied = mesh.apply(split); !applied) return tl::unexpected(applied.error());
   }
-  if (!bins.isFinished()) return damaged("bytes left over or missing");
+  if (!bins.isFinished() || !attributeReader.isFinished())
+    return damaged("bytes left over or missing");
   return count;
 }
 
-Result<void>
-SplitDecoder::decodeShape(BinReader& bins, const ActiveMesh& mesh, VertexSplit& split) {
+Result<void> SplitDecoder::decodeShape(
+    BinReader& bins,
+    AttributeReader& attributes,
+    const ActiveMesh& mesh,
+    VertexSplit& split) {
   const Slot u = mesh.slotOf(split.parent);
   if (u == kNone) return damaged("a parent that is not held");
   mesh.canonicalRingSlots(u, mesh.levelOf(split.vertex), ring_);
@@ -495,6 +503,7 @@ SplitDecoder::decodeShape(BinReader& bins, const ActiveMesh& mesh, VertexSplit& 
   const auto prediction = split_syntax::predict(n, split_syntax::fanOf(n, cut));
   split_syntax::codePosition(bins, n, prediction, model_.weights, split.position);
   if (!isOnGrid(split.position)) return damaged("a position off the grid");
+  attributes.read(mesh, ring_, n, cut, split);
   return {};
 }
 

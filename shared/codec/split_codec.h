@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/codec/attribute_codec.h"
 #include "shared/codec/bin_coder.h"
 #include "shared/codec/front_classes.h"
 #include "shared/codec/split_symbols.h"
@@ -107,18 +108,29 @@ class SplitDecoder {
  public:
   SplitDecoder() = default;
 
-  explicit SplitDecoder(SplitModel model) : model_(std::move(model)) {}
+  /// attributeKinds: what the model carries besides positions, AttributeKind bits.
+  explicit SplitDecoder(SplitModel model, std::uint8_t attributeKinds = 0)
+      : model_(std::move(model)),
+        attributeKinds_(attributeKinds) {}
 
   /// Decodes a run and applies it split by split to the client's mesh of the model. Total over any
   /// bytes: on an error (kCorrupt, kNonManifold, kLimitExceeded) the splits before it stay applied,
-  /// and the mesh is valid. Returns the number of splits applied. Threads: one.
-  [[nodiscard]] Result<std::uint32_t> decode(std::span<const std::uint8_t> bytes, ActiveMesh& mesh);
+  /// and the mesh is valid. attributes: of encodeAttributes(), empty where the model has none.
+  /// Returns the number of splits applied. Threads: one.
+  [[nodiscard]] Result<std::uint32_t> decode(
+      std::span<const std::uint8_t> bytes,
+      ActiveMesh& mesh,
+      std::span<const std::uint8_t> attributes = {});
 
  private:
-  [[nodiscard]] Result<void>
-  decodeShape(BinReader& bins, const ActiveMesh& mesh, VertexSplit& split);
+  [[nodiscard]] Result<void> decodeShape(
+      BinReader& bins,
+      AttributeReader& attributes,
+      const ActiveMesh& mesh,
+      VertexSplit& split);
 
   SplitModel model_;
+  std::uint8_t attributeKinds_ = 0;
   // Of the level that the last level run belonged to, since several runs make a level; 0: none.
   std::uint32_t frontLevel_ = 0;
   std::vector<std::uint8_t> front_;

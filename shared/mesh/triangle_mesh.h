@@ -2,6 +2,7 @@
 #pragma once
 
 #include "shared/core/camera.h"
+#include "shared/mesh/vertex_attributes.h"
 
 #include <glm/glm.hpp>
 
@@ -41,6 +42,7 @@ struct TriangleMesh {
   Grid grid;
   std::vector<glm::ivec3> positions;
   std::vector<glm::uvec3> triangles;
+  AttributeArrays attributes{};
 };
 
 /// Centre of the box of `positions`, distance from it to the farthest of them, in model units.

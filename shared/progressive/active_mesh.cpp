@@ -32,12 +32,18 @@ Result<ActiveMesh> ActiveMesh::fromBase(
   if (!std::all_of(base.positions.begin(), base.positions.end(), isOnGrid)) {
     return fail(ErrorCode::kCorrupt, "base mesh: a position off the grid");
   }
+  const AttributeArrays& attributes = base.attributes;
+  const auto fits = [&](std::size_t size) { return size == 0 || size == levelBegin[1]; };
+  if (!fits(attributes.colors.size()) || !fits(attributes.normals.size())) {
+    return fail(ErrorCode::kCorrupt, "base mesh: not one colour or normal a vertex");
+  }
   auto mesh = HalfEdgeMesh::build(levelBegin[1], base.triangles);
   if (!mesh) return tl::unexpected(mesh.error().within("base mesh"));
 
   ActiveMesh active;
   active.mesh_ = std::move(*mesh);
   active.positions_ = base.positions;
+  active.attributes_ = attributes;
   active.ids_.resize(levelBegin[1]);
   for (std::uint32_t v = 0; v < levelBegin[1]; ++v) {
     active.ids_[v] = v;
@@ -109,8 +115,11 @@ Result<ActiveMesh::Opening> ActiveMesh::findOpening(const VertexSplit& split) {
   return opening;
 }
 
-void ActiveMesh::setFeature(HalfEdgeId h, bool isFeature) {
-  if (h != kNone) features_[h] = isFeature ? kFeatureCrease : 0;
+void ActiveMesh::setFeature(HalfEdgeId h, const VertexSplit& split, SplitFeature bit) {
+  if (h == kNone) return;
+  features_[h] = static_cast<std::uint8_t>(
+      ((split.features & bit) != 0 ? kFeatureCrease : 0) |
+      ((split.seams & bit) != 0 ? kFeatureSeam : 0));
 }
 
 void ActiveMesh::link(HalfEdgeId a, HalfEdgeId b) {
@@ -153,20 +162,20 @@ Result<void> ActiveMesh::apply(const VertexSplit& split) {
   if (hasLeft) {
     link(leftFace, beforeLeft);
     link(leftFace + 1, fanFirst);
-    setFeature(leftFace, split.features & kSplitEdgeUL);
-    setFeature(beforeLeft, split.features & kSplitEdgeUL);
-    setFeature(leftFace + 1, split.features & kSplitEdgeVL);
-    setFeature(fanFirst, split.features & kSplitEdgeVL);
-    setFeature(leftFace + 2, split.features & kSplitEdgeUV);
+    setFeature(leftFace, split, kSplitEdgeUL);
+    setFeature(beforeLeft, split, kSplitEdgeUL);
+    setFeature(leftFace + 1, split, kSplitEdgeVL);
+    setFeature(fanFirst, split, kSplitEdgeVL);
+    setFeature(leftFace + 2, split, kSplitEdgeUV);
   }
   if (hasRight) {
     link(rightFace + 2, afterRight);
     link(rightFace + 1, fanLast);
-    setFeature(rightFace + 2, split.features & kSplitEdgeUR);
-    setFeature(afterRight, split.features & kSplitEdgeUR);
-    setFeature(rightFace + 1, split.features & kSplitEdgeVR);
-    setFeature(fanLast, split.features & kSplitEdgeVR);
-    setFeature(rightFace, split.features & kSplitEdgeUV);
+    setFeature(rightFace + 2, split, kSplitEdgeUR);
+    setFeature(afterRight, split, kSplitEdgeUR);
+    setFeature(rightFace + 1, split, kSplitEdgeVR);
+    setFeature(fanLast, split, kSplitEdgeVR);
+    setFeature(rightFace, split, kSplitEdgeUV);
   }
   if (hasLeft && hasRight) link(leftFace + 2, rightFace);
 
@@ -185,6 +194,8 @@ Result<void> ActiveMesh::apply(const VertexSplit& split) {
   }
 
   positions_.push_back(split.position);
+  if (!attributes_.colors.empty()) attributes_.colors.push_back(split.attributes.color);
+  if (!attributes_.normals.empty()) attributes_.normals.push_back(split.attributes.normal);
   ids_.push_back(split.vertex);
   parents_.push_back(split.parent);
   replaced_.push_back(static_cast<std::uint8_t>(oldLeft | oldRight << 2));
@@ -289,6 +300,8 @@ void ActiveMesh::removeVertex(Slot slot) {
     }
     mesh_.outgoing[slot] = first;
     positions_[slot] = positions_[last];
+    if (!attributes_.colors.empty()) attributes_.colors[slot] = attributes_.colors[last];
+    if (!attributes_.normals.empty()) attributes_.normals[slot] = attributes_.normals[last];
     ids_[slot] = ids_[last];
     parents_[slot] = parents_[last];
     replaced_[slot] = replaced_[last];
@@ -296,6 +309,8 @@ void ActiveMesh::removeVertex(Slot slot) {
   }
   mesh_.outgoing.pop_back();
   positions_.pop_back();
+  if (!attributes_.colors.empty()) attributes_.colors.pop_back();
+  if (!attributes_.normals.empty()) attributes_.normals.pop_back();
   ids_.pop_back();
   parents_.pop_back();
   replaced_.pop_back();
@@ -310,8 +325,10 @@ Result<VertexSplit> ActiveMesh::undo(VertexId vertex) {
   split.vertex = vertex;
   split.parent = parents_[v];
   split.position = positions_[v];
+  split.attributes = attributes_.at(v);
   const auto note = [&](HalfEdgeId h, SplitFeature bit) {
-    if (features_[h] != 0) split.features |= bit;
+    if ((features_[h] & kFeatureCrease) != 0) split.features |= bit;
+    if ((features_[h] & kFeatureSeam) != 0) split.seams |= bit;
   };
   const auto restore = [&](HalfEdgeId h, int feature) {
     if (h != kNone) features_[h] = static_cast<std::uint8_t>(feature);
@@ -372,6 +389,8 @@ void ActiveMesh::reserve(std::uint32_t splits) {
   features_.reserve(6 * vertices);
   mesh_.outgoing.reserve(vertices);
   positions_.reserve(vertices);
+  if (!attributes_.colors.empty()) attributes_.colors.reserve(vertices);
+  if (!attributes_.normals.empty()) attributes_.normals.reserve(vertices);
   ids_.reserve(vertices);
   parents_.reserve(vertices);
   replaced_.reserve(vertices);
@@ -381,6 +400,8 @@ std::size_t ActiveMesh::bytes() const {
   return (mesh_.origins.capacity() + mesh_.twins.capacity() + mesh_.outgoing.capacity()) *
              sizeof(std::uint32_t) +
          positions_.capacity() * sizeof(glm::ivec3) +
+         attributes_.colors.capacity() * sizeof(SrgbColor) +
+         attributes_.normals.capacity() * sizeof(OctNormal) +
          (ids_.capacity() + parents_.capacity()) * sizeof(VertexId) + features_.capacity() +
          replaced_.capacity() + slots_.bytes();
 }

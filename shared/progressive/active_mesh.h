@@ -25,8 +25,8 @@ class ActiveMesh {
   ActiveMesh() = default;
 
   /// levelBegin: first vertex of each level and, last, the number of vertices (ModelInfo).
-  /// base: levelBegin[1] vertices; vertex i is id i. features: 1 a half-edge, or empty.
-  /// Errors: kNonManifold, kCorrupt (counts disagree).
+  /// base: levelBegin[1] vertices; vertex i is id i; splits bring the attributes that it has.
+  /// features: 1 a half-edge, or empty. Errors: kNonManifold, kCorrupt (counts disagree).
   [[nodiscard]] static Result<ActiveMesh> fromBase(
       std::vector<std::uint32_t> levelBegin,
       const TriangleMesh& base,
@@ -89,6 +89,8 @@ class ActiveMesh {
     return levelBegin_.size() < 2 ? 0 : levelBegin_[1];
   }
 
+  [[nodiscard]] const AttributeArrays& attributes() const { return attributes_; }  // by slot
+
   /// Memory held.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -105,7 +107,8 @@ class ActiveMesh {
 
   /// Also fills fan_.
   [[nodiscard]] Result<Opening> findOpening(const VertexSplit& split);
-  void setFeature(HalfEdgeId h, bool isFeature);
+  /// Gives a half-edge the features that `split` has for the edge `bit`.
+  void setFeature(HalfEdgeId h, const VertexSplit& split, SplitFeature bit);
 
   /// What a collapse of a vertex into its parent takes away; the reverse of an Opening.
   struct Star {
@@ -129,6 +132,7 @@ class ActiveMesh {
   std::vector<VertexId> parents_;  // by slot: id of the parent; kNone for base vertices
   std::vector<std::uint8_t> features_;
   std::vector<std::uint8_t> replaced_;  // by slot: features of u–l and, << 2, u–r before the split
+  AttributeArrays attributes_;          // by slot
   SlotTable slots_;
   std::vector<HalfEdgeId> fan_;  // scratch: half-edges out of u whose faces move to v, ccw
 };

@@ -20,12 +20,15 @@ VertexSplit SplitForest::split(VertexId v) const {
       .left = cut.left == RingCut::kNoCut ? kNone : around[cut.left],
       .right = cut.right == RingCut::kNoCut ? kNone : around[cut.right],
       .position = positions[v],
-      .features = features[s]};
+      .features = features[s],
+      .seams = seams.empty() ? std::uint8_t{0} : seams[s],
+      .attributes = attributes.at(v)};
 }
 
 namespace {
 
-constexpr std::uint32_t kForestMagic = 0x31464C4D;  // "MLF1"
+constexpr std::uint32_t kForestMagic = 0x31464C4D;            // "MLF1"
+constexpr std::uint32_t kForestMagicAttributes = 0x32464C4D;  // "MLF2": attributes follow
 
 class Writer {
  public:
@@ -89,8 +92,14 @@ const char* findFault(const SplitForest& forest) {
   if (forest.positions.size() != vertices || forest.parents.size() != splits ||
       forest.ringBegin.size() != splits + 1U || forest.cuts.size() != splits ||
       forest.features.size() != splits || forest.bounds.size() != splits ||
-      forest.baseFeatures.size() != 3 * forest.baseTriangles.size()) {
+      forest.baseFeatures.size() != 3 * forest.baseTriangles.size() ||
+      (!forest.seams.empty() && forest.seams.size() != splits) ||
+      (!forest.attributes.colors.empty() && forest.attributes.colors.size() != vertices) ||
+      (!forest.attributes.normals.empty() && forest.attributes.normals.size() != vertices)) {
     return "array sizes";
+  }
+  for (const OctNormal& normal : forest.attributes.normals) {
+    if (std::max(normal.x, normal.y) > 2 * kOctRadius) return "normal";
   }
   for (const glm::uvec3& t : forest.baseTriangles) {
     if (std::max({t.x, t.y, t.z}) >= forest.baseVertexCount()) return "base triangle";
@@ -123,7 +132,8 @@ const char* findFault(const SplitForest& forest) {
 
 std::vector<std::uint8_t> serializeForest(const SplitForest& forest) {
   Writer out;
-  out.value(kForestMagic);
+  const bool hasAttributes = forest.attributeKinds() != 0;
+  out.value(hasAttributes ? kForestMagicAttributes : kForestMagic);
   out.value(static_cast<std::int32_t>(forest.grid.bits));
   out.value(forest.grid.origin);
   out.value(forest.grid.step);
@@ -138,6 +148,11 @@ std::vector<std::uint8_t> serializeForest(const SplitForest& forest) {
   out.array(forest.cuts);
   out.array(forest.features);
   out.array(forest.bounds);
+  if (hasAttributes) {
+    out.array(forest.seams);
+    out.array(forest.attributes.colors);
+    out.array(forest.attributes.normals);
+  }
   return out.take();
 }
 
@@ -147,12 +162,15 @@ Result<SplitForest> parseForest(std::span<const std::uint8_t> bytes) {
   std::uint32_t magic = 0;
   std::int32_t bits = 0;
   const bool whole =
-      in.value(magic) && magic == kForestMagic && in.value(bits) && in.value(forest.grid.origin) &&
-      in.value(forest.grid.step) && in.array(forest.levelBegin) && in.array(forest.positions) &&
-      in.array(forest.baseTriangles) && in.array(forest.baseFeatures) &&
-      in.array(forest.triangles) && in.array(forest.parents) && in.array(forest.ringBegin) &&
-      in.array(forest.rings) && in.array(forest.cuts) && in.array(forest.features) &&
-      in.array(forest.bounds) && in.atEnd();
+      in.value(magic) && (magic == kForestMagic || magic == kForestMagicAttributes) &&
+      in.value(bits) && in.value(forest.grid.origin) && in.value(forest.grid.step) &&
+      in.array(forest.levelBegin) && in.array(forest.positions) && in.array(forest.baseTriangles) &&
+      in.array(forest.baseFeatures) && in.array(forest.triangles) && in.array(forest.parents) &&
+      in.array(forest.ringBegin) && in.array(forest.rings) && in.array(forest.cuts) &&
+      in.array(forest.features) && in.array(forest.bounds) &&
+      (magic == kForestMagic || (in.array(forest.seams) && in.array(forest.attributes.colors) &&
+                                 in.array(forest.attributes.normals))) &&
+      in.atEnd();
   if (!whole)
     return fail(
         ErrorCode::kCorrupt,

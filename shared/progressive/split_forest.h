@@ -43,6 +43,14 @@ struct SplitForest {
   std::vector<std::uint8_t> features;  // SplitFeature bits
   std::vector<SplitBounds> bounds;
 
+  std::vector<std::uint8_t> seams;  // SplitFeature bits; empty: the model has none
+  AttributeArrays attributes;       // by vertex id
+
+  /// What the model carries besides positions: AttributeKind bits.
+  [[nodiscard]] std::uint8_t attributeKinds() const {
+    return static_cast<std::uint8_t>(attributes.kinds() | (seams.empty() ? 0 : kAttributeSeams));
+  }
+
   [[nodiscard]] std::uint32_t vertexCount() const { return levelBegin.back(); }
 
   [[nodiscard]] std::uint32_t baseVertexCount() const { return levelBegin[1]; }

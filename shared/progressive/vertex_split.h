@@ -2,6 +2,7 @@
 #pragma once
 
 #include "shared/core/ids.h"
+#include "shared/mesh/vertex_attributes.h"
 
 #include <glm/glm.hpp>
 
@@ -34,11 +35,13 @@ struct VertexSplit {
   VertexId left = kNone;      // l: start of the fan, kNone on a border
   VertexId right = kNone;     // r: end of the fan, kNone on a border
   glm::ivec3 position{0};     // of `vertex`, on the grid; the parent keeps its place
-  std::uint8_t features = 0;  // SplitFeature
+  std::uint8_t features = 0;  // SplitFeature: which edges are creases
+  std::uint8_t seams = 0;     // SplitFeature: which edges are seams
+  VertexAttributes attributes{};
 };
 
-/// Which edges around a new vertex v are features (kFeatureCrease; one bit an edge of the two new
-/// faces): u–v, u–l, v–l, u–r, v–r. The fan's other edges keep what they are.
+/// Which edges around a new vertex v are creases, or seams (one bit an edge of the two new faces):
+/// u–v, u–l, v–l, u–r, v–r. The fan's other edges keep what they are.
 enum SplitFeature : std::uint8_t {
   kSplitEdgeUV = 1,
   kSplitEdgeUL = 2,

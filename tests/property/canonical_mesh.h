@@ -18,6 +18,7 @@ namespace limn {
 /// equal.
 struct CanonicalMesh {
   std::map<VertexId, std::array<int, 3>> positions;
+  std::map<VertexId, std::array<int, 5>> attributes;  // colour, normal
   std::map<VertexId, VertexId> parents;
   std::vector<std::array<VertexId, 3>> faces;                      // smallest corner first, sorted
   std::map<std::pair<VertexId, VertexId>, std::uint8_t> features;  // by directed edge
@@ -30,6 +31,8 @@ inline CanonicalMesh canonicalOf(const ActiveMesh& active) {
   for (Slot s = 0; s < ids.size(); ++s) {
     const glm::ivec3 p = active.positions()[s];
     canonical.positions[ids[s]] = {p.x, p.y, p.z};
+    const auto& [color, normal] = active.attributes().at(s);
+    canonical.attributes[ids[s]] = {color.x, color.y, color.z, normal.x, normal.y};
     canonical.parents[ids[s]] = active.parentOf(ids[s]);
     EXPECT_EQ(active.slotOf(ids[s]), s);
   }
@@ -50,6 +53,9 @@ inline ActiveMesh baseMeshOf(const SplitForest& forest) {
   base.positions.assign(
       forest.positions.begin(),
       forest.positions.begin() + forest.baseVertexCount());
+  base.attributes = forest.attributes;
+  if (!base.attributes.colors.empty()) base.attributes.colors.resize(base.positions.size());
+  if (!base.attributes.normals.empty()) base.attributes.normals.resize(base.positions.size());
   auto active = ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
   EXPECT_TRUE(active) << active.error().message;
   return active ? std::move(*active) : ActiveMesh();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/preprocess/forest/build_forest.h"
 #include "tests/property/canonical_mesh.h"
+#include "tests/property/decorated.h"
 #include "tests/property/legal_order.h"
 
 #include "shared/core/rng.h"
@@ -25,7 +26,8 @@ std::vector<Shape> shapes() {
       {"torus", primitives::torus(60, 24)},
       {"knot", primitives::torusKnot(2, 3, 240, 12)},
       {"grid", primitives::openGrid(40, 30)},
-      {"bumpy", primitives::bumpySphere(4, 3)}};
+      {"bumpy", primitives::bumpySphere(4, 3)},
+      {"painted", decorated(primitives::torusKnot(2, 3, 160, 10), kAllAttributeKinds)}};
 }
 
 /// Which splits may be applied or undone now: the slow way, from the forest's stored rings.
@@ -73,7 +75,8 @@ class Legality {
 
 bool sameSplit(const VertexSplit& a, const VertexSplit& b) {
   return a.vertex == b.vertex && a.parent == b.parent && a.left == b.left && a.right == b.right &&
-         a.position == b.position && a.features == b.features;
+         a.position == b.position && a.features == b.features && a.seams == b.seams &&
+         a.attributes == b.attributes;
 }
 
 class Undo : public testing::TestWithParam<std::size_t> {
@@ -193,7 +196,7 @@ TEST_P(Undo, WhatIsNotLegalLeavesAManifold) {
   EXPECT_GT(refused, 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, Undo, testing::Range<std::size_t>(0, 6), [](const auto& shape) {
+INSTANTIATE_TEST_SUITE_P(Shapes, Undo, testing::Range<std::size_t>(0, 7), [](const auto& shape) {
   return std::string(shapes()[shape.param].name);
 });
 

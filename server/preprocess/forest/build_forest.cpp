@@ -15,14 +15,17 @@ namespace limn {
 namespace {
 
 // The base mesh, its vertices renumbered in the order of `present`.
-TriangleMesh extractBase(const LevelSimplifier& builder, const Grid& grid) {
+TriangleMesh extractBase(const LevelSimplifier& builder, const TriangleMesh& full) {
   const CollapseMesh& mesh = builder.mesh();
   std::vector<std::uint32_t> number(mesh.positions().size(), kNone);
   TriangleMesh base;
-  base.grid = grid;
+  base.grid = full.grid;
+  const AttributeArrays& attributes = full.attributes;
   for (const std::uint32_t v : builder.present()) {
     number[v] = static_cast<std::uint32_t>(base.positions.size());
     base.positions.push_back(mesh.positions()[v]);
+    if (!attributes.colors.empty()) base.attributes.colors.push_back(attributes.colors[v]);
+    if (!attributes.normals.empty()) base.attributes.normals.push_back(attributes.normals[v]);
   }
   for (const glm::uvec3& t : mesh.mesh().triangles()) {
     base.triangles.emplace_back(number[t.x], number[t.y], number[t.z]);
@@ -94,6 +97,7 @@ void recordSplits(
     };
     forest.cuts[s] = {indexOf(collapse.left), indexOf(collapse.right)};
     forest.parents[s] = id[collapse.kept];
+    if (collapse.seams != 0) forest.seams[s] = collapse.seams;
     forest.features[s] = collapse.features | (level->isPath[i] ? kSplitParentOnBorder : 0);
     forest.bounds[s] = level->bounds[i];
     forest.ringBegin.push_back(static_cast<std::uint32_t>(forest.rings.size()));
@@ -121,12 +125,21 @@ std::vector<std::uint8_t> baseFeatures(
 
 }  // namespace
 
-Result<BuiltForest> buildForest(const TriangleMesh& mesh, const ForestOptions& options) {
+Result<BuiltForest> buildForest(
+    const TriangleMesh& mesh,
+    const ForestOptions& options,
+    std::span<const std::uint8_t> seams) {
   auto full =
       HalfEdgeMesh::build(static_cast<std::uint32_t>(mesh.positions.size()), mesh.triangles);
   if (!full) return tl::unexpected(full.error());
-  auto collapsible =
-      CollapseMesh::build(mesh, findCreases(*full, mesh.positions, options.creaseAngleDegrees));
+  std::vector<std::uint8_t> features =
+      findCreases(*full, mesh.positions, options.creaseAngleDegrees);
+  bool hasSeams = false;
+  for (std::size_t h = 0; h < seams.size(); ++h) {
+    features[h] |= seams[h];
+    hasSeams = hasSeams || seams[h] != 0;
+  }
+  auto collapsible = CollapseMesh::build(mesh, std::move(features));
   if (!collapsible) return tl::unexpected(collapsible.error());
 
   LevelSimplifier builder(std::move(*collapsible), options);
@@ -134,7 +147,7 @@ Result<BuiltForest> buildForest(const TriangleMesh& mesh, const ForestOptions& o
 
   BuiltForest result;
   SplitForest& forest = result.forest;
-  const TriangleMesh base = extractBase(builder, mesh.grid);
+  const TriangleMesh base = extractBase(builder, mesh);
   auto draco = encodeDraco(base);
   if (!draco) return tl::unexpected(draco.error().within("base mesh"));
   auto decoded = decodeDraco(
@@ -146,14 +159,22 @@ Result<BuiltForest> buildForest(const TriangleMesh& mesh, const ForestOptions& o
   forest.grid = mesh.grid;
   const std::vector<VertexId> id = numberVertices(builder, draco->order, forest);
   forest.positions.resize(mesh.positions.size());
-  for (std::size_t v = 0; v < id.size(); ++v)
+  forest.attributes.colors.resize(mesh.attributes.colors.size());
+  forest.attributes.normals.resize(mesh.attributes.normals.size());
+  for (std::size_t v = 0; v < id.size(); ++v) {
     forest.positions[id[v]] = mesh.positions[v];
+    if (!mesh.attributes.colors.empty())
+      forest.attributes.colors[id[v]] = mesh.attributes.colors[v];
+    if (!mesh.attributes.normals.empty())
+      forest.attributes.normals[id[v]] = mesh.attributes.normals[v];
+  }
   forest.baseTriangles = std::move(decoded->triangles);
   forest.baseFeatures =
-      baseFeatures(builder, id, {mesh.grid, decoded->positions, forest.baseTriangles});
+      baseFeatures(builder, id, {mesh.grid, decoded->positions, forest.baseTriangles, {}});
   forest.triangles.reserve(mesh.triangles.size());
   for (const glm::uvec3& t : mesh.triangles)
     forest.triangles.emplace_back(id[t.x], id[t.y], id[t.z]);
+  if (hasSeams) forest.seams.assign(forest.splitCount(), 0);
   recordSplits(builder, id, forest);
 
   result.baseDraco = std::move(draco->bytes);

@@ -8,6 +8,7 @@
 #include "shared/progressive/split_forest.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace limn {
@@ -34,10 +35,12 @@ struct BuiltForest {
 };
 
 /// Simplifies `mesh` by half-edge collapses in independent-set levels and records them as a forest
-/// of vertex splits. Deterministic for any number of threads. Errors: kNonManifold.
+/// of vertex splits. seams: kFeatureSeam or 0 a half-edge (3 · triangle + corner), equal on twins;
+/// or empty. Deterministic for any number of threads. Errors: kNonManifold.
 /// Cost: about 4 times the mesh's size in vertex visits; 60 bytes a vertex besides the result.
 [[nodiscard]] Result<BuiltForest> buildForest(
     const TriangleMesh& mesh,
-    const ForestOptions& options);
+    const ForestOptions& options,
+    std::span<const std::uint8_t> seams = {});
 
 }  // namespace limn

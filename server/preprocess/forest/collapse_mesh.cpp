@@ -79,7 +79,9 @@ CollapseMesh::plan(std::uint32_t v, std::uint32_t u, double leastNormalCosine) c
   if (turnsFace(v, u, leastNormalCosine)) return std::nullopt;
 
   const auto note = [&](HalfEdgeId h, SplitFeature bit) {
-    if (h != kNone && features_[h] != 0) result.features |= bit;
+    if (h == kNone) return;
+    if ((features_[h] & kFeatureCrease) != 0) result.features |= bit;
+    if ((features_[h] & kFeatureSeam) != 0) result.seams |= bit;
   };
   note(vu, kSplitEdgeUV);
   note(uv, kSplitEdgeUV);

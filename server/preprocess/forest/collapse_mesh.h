@@ -20,7 +20,8 @@ struct HalfEdgeCollapse {
   std::uint32_t kept = kNone;     // u
   std::uint32_t left = kNone;     // l: around u counter-clockwise come l, v, r
   std::uint32_t right = kNone;    // r
-  std::uint8_t features = 0;      // SplitFeature bits of the edges before the collapse
+  std::uint8_t features = 0;      // SplitFeature bits of the creases before the collapse
+  std::uint8_t seams = 0;         // and of the seams
   std::size_t ringSize = 0;       // neighbours of u after the collapse
 };
 

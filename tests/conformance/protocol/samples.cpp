@@ -109,6 +109,12 @@ std::vector<Sample> samples() {
   add("map.bin", Sender::kServer, Map{3, MapKind::kNormals, 4, payload});
   info.hull = HullInfo{.reason = "the mesh is open"};
   add("model_info_no_hull.bin", Sender::kServer, info);
+  info.hull.reset();
+  info.attributes = 7;
+  add("model_info_attributes.bin", Sender::kServer, info);
+  const Bytes attributes = Bytes(payload).first(7);
+  add("level_block_attributes.bin", Sender::kServer, LevelBlock{3, 1, payload, attributes});
+  add("packet_attributes.bin", Sender::kServer, Packet{3, 77, payload, attributes});
   add("get_hull.bin", Sender::kClient, GetHull{3, HullSide::kInner, 500, 2});
   add("hull.bin", Sender::kServer, Hull{3, HullSide::kOuter, payload});
   add("get_contour.bin",

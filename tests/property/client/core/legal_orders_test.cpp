@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/core/stream_decoder.h"
+#include "tests/property/canonical_mesh.h"
+#include "tests/property/decorated.h"
 #include "tests/property/legal_order.h"
 #include "tests/unit/client/core/small_asset.h"
 
@@ -35,10 +37,16 @@ TEST(StreamDecoderProperty, AnyLegalOrderEndsInThePreparedMesh) {
   const TriangleMesh shapes[] = {
       primitives::torusKnot(2, 3, 100, 8),
       primitives::bumpySphere(3, 5),
-      primitives::openGrid(24, 20)};
+      primitives::openGrid(24, 20),
+      decorated(primitives::torusKnot(2, 3, 80, 8), kAllAttributeKinds),
+      decorated(primitives::openGrid(24, 20), kAttributeColors | kAttributeNormals)};
   Rng rng(11);
   for (const TriangleMesh& shape : shapes) {
-    const SmallAsset asset = makeSmallAsset(shape);
+    const SmallAsset asset = makeSmallAsset(shape, 1, stripeSeams(shape));
+    const SplitForest& forest = asset.built.forest;
+    ActiveMesh prepared = baseMeshOf(forest);
+    for (VertexId v = forest.baseVertexCount(); v < forest.vertexCount(); ++v)
+      ASSERT_TRUE(prepared.apply(forest.split(v)));
     for (const OrderKind kind : {OrderKind::kUniform, OrderKind::kDepthFirst}) {
       StreamDecoder decoder;
       const auto info = protocol::decodeMessage(asset.info, protocol::Sender::kServer);
@@ -57,6 +65,7 @@ TEST(StreamDecoderProperty, AnyLegalOrderEndsInThePreparedMesh) {
       }
       EXPECT_TRUE(decoder.complete());
       EXPECT_TRUE(isWhole(asset, decoder.mesh()));
+      EXPECT_EQ(canonicalOf(decoder.mesh()), canonicalOf(prepared));
     }
   }
 }

@@ -34,19 +34,21 @@ std::array<std::uint32_t, 3> canonical(std::uint32_t a, std::uint32_t b, std::ui
 std::vector<std::uint8_t> SmallAsset::packet(std::uint32_t pose, std::span<const VertexId> ids)
     const {
   const auto splits = encodeSplits(built.forest, splitModel, ids);
-  return protocol::encodeMessage(protocol::Packet{0, pose, splits});
+  const auto attributes = encodeAttributes(built.forest, ids);
+  return protocol::encodeMessage(protocol::Packet{0, pose, splits, attributes});
 }
 
 VertexId SmallAsset::firstPacketVertex() const {
   return built.forest.levelBegin[1 + blocks.size()];
 }
 
-SmallAsset makeSmallAsset(const TriangleMesh& mesh, std::uint8_t tag) {
+SmallAsset
+makeSmallAsset(const TriangleMesh& mesh, std::uint8_t tag, std::span<const std::uint8_t> seams) {
   SmallAsset asset;
   ForestOptions options;
   options.baseFaces = 60;
   options.threads = 1;
-  asset.built = *buildForest(mesh, options);
+  asset.built = *buildForest(mesh, options, seams);
   asset.id.fill(tag);
   asset.splitModel = trainSplitModel(asset.built.forest, frontsOf(asset.built.forest));
   const WireSections sections = encodeWireSections(asset.built, SeedTable{}, {asset.id, true});
@@ -63,6 +65,7 @@ bool isWhole(const SmallAsset& asset, const ActiveMesh& mesh) {
   if (mesh.mesh().vertexCount() != forest.vertexCount()) return false;
   for (Slot s = 0; s < mesh.ids().size(); ++s) {
     if (mesh.positions()[s] != forest.positions[mesh.ids()[s]]) return false;
+    if (mesh.attributes().at(s) != forest.attributes.at(mesh.ids()[s])) return false;
   }
   std::multiset<std::array<std::uint32_t, 3>> ours;
   std::multiset<std::array<std::uint32_t, 3>> theirs;

@@ -34,11 +34,15 @@ struct SmallAsset {
   [[nodiscard]] VertexId firstPacketVertex() const;
 };
 
-/// tag: makes the asset's id. Few base faces, so that there are many splits.
-[[nodiscard]] SmallAsset makeSmallAsset(const TriangleMesh& mesh, std::uint8_t tag = 1);
+/// tag: makes the asset's id. seams: as in buildForest(). Few base faces, so that there are many
+/// splits.
+[[nodiscard]] SmallAsset makeSmallAsset(
+    const TriangleMesh& mesh,
+    std::uint8_t tag = 1,
+    std::span<const std::uint8_t> seams = {});
 
-/// Whether `mesh` is exactly the prepared mesh of `asset`: same positions, same oriented triangles,
-/// vertex ids taken for slots.
+/// Whether `mesh` is exactly the prepared mesh of `asset`: same positions and attributes, same
+/// oriented triangles, vertex ids taken for slots.
 [[nodiscard]] bool isWhole(const SmallAsset& asset, const ActiveMesh& mesh);
 
 }  // namespace limn
