@@ -1,24 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/dumps.h"
 
-#include <nlohmann/json.hpp>
+#include "shared/mesh/ply_writer.h"
 
-#include <algorithm>
-#include <bit>
-#include <cstring>
+#include <nlohmann/json.hpp>
 
 namespace limn {
 namespace {
 
 using nlohmann::json;
-
-template <class T>
-void appendLittleEndian(std::string& out, T value) {
-  char bytes[sizeof(T)];
-  std::memcpy(bytes, &value, sizeof(T));
-  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes, bytes + sizeof(T));
-  out.append(bytes, sizeof(T));
-}
 
 const char* kindName(LineKind kind) {
   switch (kind) {
@@ -65,51 +55,16 @@ json cameraJson(const Camera& camera, const Viewport& viewport) {
 
 }  // namespace
 
-namespace {
-
-std::string plyOf(
-    const Grid& grid,
-    std::span<const glm::ivec3> positions,
-    std::span<const glm::uvec3> triangles,
-    std::string_view comment) {
-  std::string ply = "ply\nformat binary_little_endian 1.0\ncomment " + std::string(comment) +
-                    "\n"
-                    "element vertex " +
-                    std::to_string(positions.size()) +
-                    "\nproperty double x\nproperty double y\nproperty double z\n"
-                    "property int qx\nproperty int qy\nproperty int qz\n"
-                    "element face " +
-                    std::to_string(triangles.size()) +
-                    "\nproperty list uchar int vertex_indices\nend_header\n";
-  ply.reserve(ply.size() + 36 * positions.size() + 13 * triangles.size());
-  for (const glm::ivec3& p : positions) {
-    const glm::dvec3 model = grid.toModel(p);
-    for (int i = 0; i < 3; ++i)
-      appendLittleEndian<double>(ply, model[i]);
-    for (int i = 0; i < 3; ++i)
-      appendLittleEndian<std::int32_t>(ply, p[i]);
-  }
-  for (const glm::uvec3& t : triangles) {
-    ply.push_back(3);
-    for (int i = 0; i < 3; ++i) {
-      appendLittleEndian<std::int32_t>(ply, static_cast<std::int32_t>(t[i]));
-    }
-  }
-  return ply;
-}
-
-}  // namespace
-
 std::string meshPly(const MeshSnapshot& snapshot) {
-  return plyOf(
+  return encodePly(
       snapshot.model.grid,
       snapshot.mesh.positions(),
       snapshot.mesh.mesh().triangles(),
-      "limn-client mesh; qx qy qz: grid of the model");
+      snapshot.mesh.attributes());
 }
 
 std::string hullPly(const TriangleMesh& hull) {
-  return plyOf(hull.grid, hull.positions, hull.triangles, "limn-client hull; qx qy qz: its grid");
+  return encodePly(hull.grid, hull.positions, hull.triangles);
 }
 
 std::string linesJson(const LineDump& dump) {

@@ -12,8 +12,7 @@
 
 namespace limn {
 
-/// The client's mesh as binary little-endian PLY: vertices in slot order with double x, y, z (model
-/// units) and int qx, qy, qz (grid), faces as uchar-counted lists of int.
+/// The client's mesh as PLY (shared/mesh/ply_writer.h), vertices in slot order.
 [[nodiscard]] std::string meshPly(const MeshSnapshot& snapshot);
 
 /// A hull in the same form; qx, qy, qz on the hull's own grid.

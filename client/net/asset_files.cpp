@@ -128,6 +128,22 @@ readSection(const json& manifest, const std::filesystem::path& directory, const 
   }
 }
 
+/// Whether this program reads what the sections hold.
+Result<void> checkAssetFormat(const json& manifest, const std::filesystem::path& directory) {
+  const json report = manifest.value("report", json());
+  const json written = report.is_object() ? report.value("asset_format", json()) : json();
+  const bool isNumber = written.is_number_integer();
+  const std::int64_t format = isNumber ? written.get<std::int64_t>() : 0;
+  if (format == protocol::kAssetFormat) return {};
+  return fail(
+      ErrorCode::kUnsupported,
+      directory.string() + " was prepared by " +
+          (format < protocol::kAssetFormat ? "an older" : "a newer") + " Limn (asset format " +
+          (isNumber ? std::to_string(format) : "before 7") + ", this program reads " +
+          std::to_string(protocol::kAssetFormat) +
+          "): prepare the model again with this version's limn-prepare");
+}
+
 /// What the preparation called the model; informative.
 std::string nameIn(const json& manifest) {
   const auto report = manifest.find("report");
@@ -145,6 +161,8 @@ std::string nameIn(const json& manifest) {
 Result<AssetFiles> readAssetFiles(const std::filesystem::path& directory) {
   const auto manifest = readManifest(directory);
   if (!manifest) return tl::unexpected(manifest.error());
+  if (auto readable = checkAssetFormat(*manifest, directory); !readable)
+    return tl::unexpected(readable.error());
   AssetFiles files;
   auto info = readSection(*manifest, directory, "info");
   if (!info) return tl::unexpected(info.error());

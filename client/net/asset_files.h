@@ -23,8 +23,8 @@ struct AssetFiles {
 };
 
 /// Reads an asset directory and verifies the checksum of everything it takes from it.
-/// Errors: kNotFound (no asset there), kCorrupt (damaged: prepare it again), kIo, kUnsupported (a
-/// newer format).
+/// Errors: kNotFound (no asset there), kCorrupt (damaged: prepare it again), kIo, kUnsupported
+/// (another format).
 [[nodiscard]] Result<AssetFiles> readAssetFiles(const std::filesystem::path& directory);
 
 }  // namespace limn

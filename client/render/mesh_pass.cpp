@@ -19,6 +19,7 @@ Result<MeshPass> MeshPass::create(const gl::Api& api) {
   pass.shadedProgram_ = *std::move(shaded);
   pass.vertexArray_ = gl::VertexArray::create(api);
   pass.positions_ = gl::Buffer::create(api);
+  pass.colors_ = gl::Buffer::create(api);
   pass.indices_ = gl::Buffer::create(api);
   return pass;
 }
@@ -54,6 +55,8 @@ bool MeshPass::upload(const MeshSnapshot& snapshot) {
   for (const glm::ivec3& p : positions)
     relative.emplace_back(p - center_);
 
+  // A new one: the last mesh may have had colours where this one has none.
+  vertexArray_ = gl::VertexArray::create(*api_);
   api_->bindVertexArray(vertexArray_.id());
   api_->bindBuffer(GL_ARRAY_BUFFER, positions_.id());
   api_->bufferData(
@@ -63,6 +66,18 @@ bool MeshPass::upload(const MeshSnapshot& snapshot) {
       GL_DYNAMIC_DRAW);
   api_->enableVertexAttribArray(0);
   api_->vertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
+  const std::vector<SrgbColor>& colors = snapshot.mesh.attributes().colors;
+  hasColors_ = !colors.empty();
+  if (hasColors_) {
+    api_->bindBuffer(GL_ARRAY_BUFFER, colors_.id());
+    api_->bufferData(
+        GL_ARRAY_BUFFER,
+        static_cast<GLsizeiptr>(colors.size() * sizeof(SrgbColor)),
+        colors.data(),
+        GL_DYNAMIC_DRAW);
+    api_->enableVertexAttribArray(1);
+    api_->vertexAttribPointer(1, 3, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(SrgbColor), nullptr);
+  }
   api_->bindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
   api_->bufferData(
       GL_ELEMENT_ARRAY_BUFFER,
@@ -133,6 +148,7 @@ void MeshPass::drawShaded(
   }
   shadedProgram_.set("light", light);
   shadedProgram_.set("surface", kSurface);
+  shadedProgram_.set("painted", hasColors_ ? 1.0F : 0.0F);
   draw(snapshot, camera, target, shadedProgram_);
 }
 

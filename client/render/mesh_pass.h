@@ -37,7 +37,7 @@ class MeshPass {
                                                      // the viewer's left shoulder
   };
 
-  /// Draws the lit mesh.
+  /// Draws the lit mesh, in its vertices' colours where it has them.
   void drawShaded(
       const MeshSnapshot& snapshot,
       const Camera& camera,
@@ -65,9 +65,11 @@ class MeshPass {
   gl::Program shadedProgram_;
   gl::VertexArray vertexArray_;
   gl::Buffer positions_;
+  gl::Buffer colors_;
   gl::Buffer indices_;
   // Of the mesh that is there.
   bool hasMesh_ = false;
+  bool hasColors_ = false;
   Sha256Digest asset_{};
   std::uint64_t revision_ = 0;
   std::size_t vertices_ = 0;

@@ -98,11 +98,9 @@ Progress progressOf(const std::string& name) {
   };
 }
 
-Result<void> writeFile(const std::string& path, std::span<const std::uint8_t> bytes) {
+Result<void> writeFile(const std::string& path, const std::string& bytes) {
   std::ofstream file(path, std::ios::binary);
-  file.write(
-      reinterpret_cast<const char*>(bytes.data()),
-      static_cast<std::streamsize>(bytes.size()));
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
   if (!file)
     return fail(ErrorCode::kIo, "cannot write " + path + ": check the folder and the free space");
@@ -118,8 +116,9 @@ Result<void> prepareOne(
   if (!model) return tl::unexpected(model.error());
   if (!arguments.dumpMesh.empty()) {
     const TriangleMesh& mesh = model->mesh;
-    const auto written =
-        writeFile(arguments.dumpMesh, encodePly(mesh.grid, mesh.positions, mesh.triangles));
+    const auto written = writeFile(
+        arguments.dumpMesh,
+        encodePly(mesh.grid, mesh.positions, mesh.triangles, mesh.attributes));
     if (!written) return written;
   }
   if (arguments.json) {

@@ -80,13 +80,14 @@ WireSections encodeWireSections(
   protocol::appendFrame(sections.base, base);
   sections.levelBytes.push_back(protocol::webSocketFrameBytes(base.size()));
   sections.featureBytes = features.size();
+  sections.baseAttributeBytes = built.baseAttributeBytes;
 
   for (std::uint32_t level = 1; level <= blockLevels; ++level) {
     const VertexId begin = forest.levelBegin[level];
     const VertexId end = forest.levelBegin[level + 1];
     const auto splits = encodeLevelRun(forest, model, fronts, begin, end);
     const auto attributes = encodeAttributes(forest, begin, end);
-    sections.attributeBytes += attributes.size();
+    sections.blockAttributeBytes += attributes.size();
     const auto message = protocol::encodeMessage(protocol::LevelBlock{
         .level = static_cast<std::uint8_t>(level),
         .splits = splits,
@@ -102,7 +103,7 @@ WireSections encodeWireSections(
       const VertexId end = std::min(begin + kLevelRunSplits, forest.levelBegin[level + 1]);
       const auto splits = encodeLevelRun(forest, model, fronts, begin, end);
       const auto attributes = encodeAttributes(forest, begin, end);
-      sections.attributeBytes += attributes.size();
+      sections.packetAttributeBytes += attributes.size();
       const auto message =
           protocol::encodeMessage(protocol::Packet{.splits = splits, .attributes = attributes});
       protocol::appendFrame(sections.packets, message);

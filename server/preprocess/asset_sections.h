@@ -23,7 +23,10 @@ struct WireSections {
   std::vector<std::uint8_t> seeds;
   std::vector<std::uint64_t> levelBytes;  // on the wire, level 0 first
   std::uint64_t featureBytes = 0;         // of the base message: Base.features
-  std::uint64_t attributeBytes = 0;       // of level blocks and packets: their attributes
+  // Colours, normals and seams: how much longer the messages are for them.
+  std::uint64_t baseAttributeBytes = 0;
+  std::uint64_t blockAttributeBytes = 0;
+  std::uint64_t packetAttributeBytes = 0;
 };
 
 /// The parts of ModelInfo that no mesh has. A model's name is none of them: names belong to the

@@ -8,11 +8,14 @@
 #include "server/preprocess/map_sections.h"
 #include "server/preprocess/seeds/build_seeds.h"
 
+#include "protocol/framing.h"
+
 #include "shared/progressive/split_forest.h"
 
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <utility>
@@ -22,8 +25,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Part of every asset's id: raised when preparation gives other bytes for the same input.
-constexpr char kFormatVersion[] = "limn-asset-7";
+// Part of every asset's id, with protocol::kAssetFormat: raised when preparation gives other bytes,
+// of the same format, for the same input.
+constexpr char kPreparationVersion[] = "limn-asset-8";
 
 class Stopwatch {
  public:
@@ -49,7 +53,8 @@ std::span<const std::uint8_t> bytesOf(const std::string& text) {
 
 std::string describe(const PrepareOptions& options) {
   Json json;
-  json["version"] = kFormatVersion;
+  json["version"] = kPreparationVersion;
+  json["asset_format"] = protocol::kAssetFormat;
   json["quantization"] = options.repair.quantizationBits;
   json["base_faces"] = options.forest.baseFaces;
   json["cost"] = static_cast<int>(options.forest.cost);
@@ -115,7 +120,11 @@ Json makeReport(
     const WireSections& sections,
     const PrepareOptions& options) {
   const SplitForest& forest = built.forest;
+  const auto seamSides =
+      std::count_if(repaired.seams.begin(), repaired.seams.end(), [](auto s) { return s != 0; });
+  const auto seamCount = static_cast<std::uint64_t>(seamSides) / 2;
   Json json;
+  json["asset_format"] = protocol::kAssetFormat;
   json["input"] = {
       {"format", imported.format},
       {"vertices", repaired.inputVertices},
@@ -126,7 +135,10 @@ Json makeReport(
   json["mesh"] = {
       {"vertices", forest.vertexCount()},
       {"faces", forest.triangles.size()},
-      {"closed", repaired.closed}};
+      {"closed", repaired.closed},
+      {"colors", !forest.attributes.colors.empty()},
+      {"normals", !forest.attributes.normals.empty()},
+      {"seams", seamCount}};
   json["quantization_bits"] = options.repair.quantizationBits;
   json["levels"] = Json::array();
   for (std::size_t level = 0; level < built.levels.size(); ++level) {
@@ -138,9 +150,12 @@ Json makeReport(
          {"error", built.levels[level].rmsError * forest.grid.step}});
   }
   const std::uint64_t features = sections.featureBytes;
-  const std::uint64_t base = wireBytes(sections.base) - features;
-  const std::uint64_t blocks = wireBytes(sections.blocks);
-  const std::uint64_t splits = wireBytes(sections.packets);
+  // What colours, normals and seams add is told apart: the rest is geometry and connectivity.
+  const std::uint64_t base = wireBytes(sections.base) - features - sections.baseAttributeBytes;
+  const std::uint64_t blocks = wireBytes(sections.blocks) - sections.blockAttributeBytes;
+  const std::uint64_t splits = wireBytes(sections.packets) - sections.packetAttributeBytes;
+  const std::uint64_t attributes =
+      sections.baseAttributeBytes + sections.blockAttributeBytes + sections.packetAttributeBytes;
   const std::uint64_t seeds = wireBytes(sections.seeds);
   const std::uint64_t hullOuter = wireBytes(hullSections.outer);
   const std::uint64_t hullInner = wireBytes(hullSections.inner);
@@ -155,9 +170,10 @@ Json makeReport(
       {"hull_inner", hullInner},
       {"maps", maps},
       {"features", features},
+      {"attributes", attributes},
       {"total",
-       wireBytes(sections.info) + base + features + blocks + splits + seeds + hullOuter +
-           hullInner + maps}};
+       wireBytes(sections.info) + base + features + attributes + blocks + splits + seeds +
+           hullOuter + hullInner + maps}};
   json["stream_bits_per_vertex"] =
       8.0 * static_cast<double>(base + blocks + splits) / forest.vertexCount();
   json["hull"] = hullJson(hulls, hullSections, options.hullFaces);
@@ -180,7 +196,7 @@ Json secondsJson(const Stages& stages) {
 }
 
 TriangleMesh fullMesh(const SplitForest& forest) {
-  return {forest.grid, forest.positions, forest.triangles};
+  return {forest.grid, forest.positions, forest.triangles, forest.attributes};
 }
 
 // The name, asset and path head a report; the rest is the asset's own.
@@ -297,7 +313,7 @@ Result<PreparedModel> prepareModel(
   stages.hull = watch.lap();
 
   progress("simplify", 0.5);
-  auto built = buildForest(repaired->mesh, options.forest);
+  auto built = buildForest(repaired->mesh, options.forest, repaired->seams);
   if (!built) return tl::unexpected(built.error().within(input.filename().string()));
   repaired->mesh.positions = {};
   repaired->mesh.triangles = {};

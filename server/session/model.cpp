@@ -2,6 +2,7 @@
 #include "server/session/model.h"
 
 #include "server/session/target_set.h"
+#include "server/store/manifest.h"
 
 #include "protocol/framing.h"
 
@@ -83,6 +84,14 @@ Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> as
     return fail(ErrorCode::kCorrupt, where + ": " + what + "; prepare the model again");
   };
 
+  if (const int format = assetFormatOf(source.report()); format != protocol::kAssetFormat) {
+    return fail(
+        ErrorCode::kUnsupported,
+        where + " was prepared by " + (format < protocol::kAssetFormat ? "an older" : "a newer") +
+            " Limn (asset format " + (format == 0 ? "before 7" : std::to_string(format)) +
+            ", this program reads " + std::to_string(protocol::kAssetFormat) +
+            "): prepare the model again with limn-prepare");
+  }
   const auto info = oneMessageOf<protocol::ModelInfo>(source, sections::kInfo);
   if (!info) return tl::unexpected(info.error().within(where));
   auto infoMessage = protocol::decodeMessage(*info, protocol::Sender::kServer);

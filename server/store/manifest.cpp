@@ -49,6 +49,13 @@ nameChecksum(const std::string& name, const Sha256Digest& asset, const std::stri
 
 }  // namespace
 
+int assetFormatOf(const std::string& reportJson) {
+  const auto report = nlohmann::json::parse(reportJson, nullptr, false);
+  if (!report.is_object()) return 0;
+  const auto format = report.find("asset_format");
+  return format != report.end() && format->is_number_integer() ? format->get<int>() : 0;
+}
+
 bool isSectionName(std::string_view name) {
   return !name.empty() && name.size() <= 64 && std::ranges::all_of(name, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';

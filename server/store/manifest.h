@@ -37,6 +37,10 @@ struct Manifest {
 /// Total over any bytes. Errors: kCorrupt, kUnsupported (another format version).
 [[nodiscard]] Result<Manifest> parseManifest(std::span<const std::uint8_t> text);
 
+/// "asset_format" of an asset's report, which says what its sections hold; 0 where there is none,
+/// as in assets of before formats were told.
+[[nodiscard]] int assetFormatOf(const std::string& reportJson);
+
 /// Whether a section can have this name: 1 to 64 lower-case letters, digits, '-'.
 [[nodiscard]] bool isSectionName(std::string_view name);
 /// Whether a model can have this name: 1 to kMaxStoreNameBytes of UTF-8 without control characters.

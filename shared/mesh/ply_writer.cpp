@@ -2,30 +2,35 @@
 #include "shared/mesh/ply_writer.h"
 
 #include <bit>
-#include <string>
 
 namespace limn {
 
 static_assert(std::endian::native == std::endian::little, "the file is little-endian");
 
-std::vector<std::uint8_t> encodePly(
+std::string encodePly(
     const Grid& grid,
     std::span<const glm::ivec3> positions,
-    std::span<const glm::uvec3> triangles) {
-  const std::string header =
-      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(positions.size()) +
-      "\nproperty double x\nproperty double y\nproperty double z\n"
-      "property int qx\nproperty int qy\nproperty int qz\nelement face " +
-      std::to_string(triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
-  std::vector<std::uint8_t> bytes(header.begin(), header.end());
-  bytes.reserve(bytes.size() + 36 * positions.size() + 13 * triangles.size());
+    std::span<const glm::uvec3> triangles,
+    const AttributeArrays& attributes) {
+  const bool hasColors = !attributes.colors.empty();
+  const bool hasNormals = !attributes.normals.empty();
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                      std::to_string(positions.size()) +
+                      "\nproperty double x\nproperty double y\nproperty double z\n"
+                      "property int qx\nproperty int qy\nproperty int qz\n";
+  if (hasColors) bytes += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (hasNormals) bytes += "property float nx\nproperty float ny\nproperty float nz\n";
+  bytes += "element face " + std::to_string(triangles.size()) +
+           "\nproperty list uchar int vertex_indices\nend_header\n";
+  bytes.reserve(bytes.size() + 51 * positions.size() + 13 * triangles.size());
   const auto append = [&bytes](const auto& value) {
-    const auto* begin = reinterpret_cast<const std::uint8_t*>(&value);
-    bytes.insert(bytes.end(), begin, begin + sizeof(value));
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
   };
-  for (const glm::ivec3& p : positions) {
-    append(grid.toModel(p));
-    append(p);
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    append(grid.toModel(positions[v]));
+    append(positions[v]);
+    if (hasColors) append(attributes.colors[v]);
+    if (hasNormals) append(decodeNormal(attributes.normals[v]));
   }
   for (const glm::uvec3& t : triangles) {
     bytes.push_back(3);

@@ -7,13 +7,16 @@
 /// comes from the CPU (pixels, samples) has it top left, and the shaders turn it over.
 namespace limn::shaders {
 
-/// position: grid units relative to the model's centre.
+/// position: grid units relative to the model's centre. paint: sRGB, where vertices have colours.
 inline constexpr std::string_view kMeshVertex = R"(#version 300 es
 layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 paint;
 uniform mat4 clipFromCenter;
 out highp vec3 place;
+out mediump vec3 paintHere;
 void main() {
   place = position;
+  paintHere = paint;
   gl_Position = clipFromCenter * vec4(position, 1.0);
 }
 )";
@@ -27,14 +30,16 @@ void main() {}
 inline constexpr std::string_view kShadedFragment = R"(#version 300 es
 precision highp float;
 in highp vec3 place;
+in mediump vec3 paintHere;
 uniform vec4 light;    // in the mesh's axes; w 0: direction towards it, unit; w 1: its place
-uniform vec3 surface;  // colour
+uniform vec3 surface;   // colour of what is not painted
+uniform float painted;  // 1: vertices have colours
 out vec4 color;
 void main() {
   vec3 n = normalize(cross(dFdx(place), dFdy(place)));
   vec3 towards = light.w > 0.0 ? normalize(light.xyz - place) : light.xyz;
   float lit = 0.30 + 0.70 * max(dot(n, towards), 0.0);
-  color = vec4(surface * lit, 1.0);
+  color = vec4(mix(surface, paintHere, painted) * lit, 1.0);
 }
 )";
 

@@ -177,6 +177,11 @@ Result<BuiltForest> buildForest(
   if (hasSeams) forest.seams.assign(forest.splitCount(), 0);
   recordSplits(builder, id, forest);
 
+  if (mesh.attributes.kinds() != 0) {
+    const auto bare = encodeDraco({base.grid, base.positions, base.triangles, {}});
+    if (bare && bare->bytes.size() < draco->bytes.size())
+      result.baseAttributeBytes = draco->bytes.size() - bare->bytes.size();
+  }
   result.baseDraco = std::move(draco->bytes);
   result.levels.push_back(builder.base());
   for (auto level = builder.levels().rbegin(); level != builder.levels().rend(); ++level) {

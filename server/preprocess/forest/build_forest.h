@@ -30,8 +30,9 @@ struct LevelSummary {
 
 struct BuiltForest {
   SplitForest forest;
-  std::vector<std::uint8_t> baseDraco;  // the base mesh, its points in vertex id order
-  std::vector<LevelSummary> levels;     // coarse to fine; level 0 is the base mesh
+  std::vector<std::uint8_t> baseDraco;   // the base mesh, its points in vertex id order
+  std::uint64_t baseAttributeBytes = 0;  // of baseDraco: colours and normals
+  std::vector<LevelSummary> levels;      // coarse to fine; level 0 is the base mesh
 };
 
 /// Simplifies `mesh` by half-edge collapses in independent-set levels and records them as a forest

@@ -72,19 +72,17 @@ Result<Chunks> splitContainer(std::string_view bytes) {
 
 /// What only looks and motion need, and what anybody may add.
 bool isIrrelevant(const std::string& key) {
-  static constexpr std::array<std::string_view, 14> kKeys{
+  static constexpr std::array<std::string_view, 12> kKeys{
       "extras",
       "extensions",
       "images",
       "textures",
-      "materials",
       "samplers",
       "animations",
       "skins",
       "cameras",
       "targets",
       "name",
-      "material",
       "skin",
       "camera"};
   return std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end();
@@ -133,6 +131,29 @@ Result<void> checkBuffers(const json& document) {
             "\"): export as one GLB file, or as glTF with embedded buffers");
   }
   return {};
+}
+
+/// Of materials only the plain colour is kept.
+void reduceMaterials(json& document) {
+  const auto materials = document.find("materials");
+  if (materials == document.end()) return;
+  json reduced = json::array();
+  if (materials->is_array()) {
+    for (const json& material : *materials) {
+      json factor = json::array();
+      if (material.is_object() && material.contains("pbrMetallicRoughness") &&
+          material["pbrMetallicRoughness"].is_object()) {
+        factor = material["pbrMetallicRoughness"].value("baseColorFactor", json::array());
+      }
+      const bool isColor =
+          factor.is_array() && factor.size() == 4 &&
+          std::all_of(factor.begin(), factor.end(), [](const json& x) { return x.is_number(); });
+      json entry = json::object();
+      if (isColor) entry["pbrMetallicRoughness"] = {{"baseColorFactor", factor}};
+      reduced.push_back(std::move(entry));
+    }
+  }
+  *materials = std::move(reduced);
 }
 
 std::string makeGlb(const std::string& text, std::string_view binary) {
@@ -184,6 +205,7 @@ Result<std::string> preflightGltf(std::string_view bytes) {
   if (document.is_discarded() || !document.is_object()) return corrupt("the JSON cannot be parsed");
   if (auto fine = checkRequired(document); !fine) return tl::unexpected(fine.error());
   if (auto fine = checkBuffers(document); !fine) return tl::unexpected(fine.error());
+  reduceMaterials(document);
   const std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
   std::string glb = makeGlb(text, chunks->binary);
   if (glb.empty())

@@ -30,6 +30,10 @@ void endPolygon(ImportedMesh& mesh) {
   mesh.polygonBegin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
 }
 
+void endMaterial(ImportedMesh& mesh, std::uint32_t material) {
+  mesh.materials.resize(mesh.polygonBegin.size() - 1, material);
+}
+
 std::uint32_t vertexIndex(double value) {
   return value >= 0.0 && value < kNone && value == std::floor(value)
              ? static_cast<std::uint32_t>(value)
@@ -195,12 +199,14 @@ Result<void> dropInvalidFaces(ImportedMesh& mesh) {
     if (valid) {
       for (std::uint32_t c = begin; c < end; ++c)
         mesh.corners[out++] = mesh.corners[c];
+      if (!mesh.materials.empty()) mesh.materials[kept] = mesh.materials[p];
       mesh.polygonBegin[++kept] = out;
     }
     begin = end;
   }
   mesh.corners.resize(out);
   mesh.polygonBegin.resize(kept + 1);
+  if (!mesh.materials.empty()) mesh.materials.resize(kept);
   const std::uint64_t dropped = std::uint64_t{mesh.droppedFaces} + (polygons - kept);
   mesh.droppedFaces = static_cast<std::uint32_t>(std::min<std::uint64_t>(dropped, kNone));
   // A stray bad face is an exporter's slip; mostly bad faces are no mesh at all.

@@ -20,10 +20,12 @@ struct ImportedMesh {
   std::string format;  // "ply", "obj", "stl", "off", "glb", "gltf"
   std::vector<glm::dvec3> positions;
   std::vector<std::uint32_t> polygonBegin{0};  // polygons + 1 offsets into corners
-  std::vector<std::uint32_t> corners;  // vertex indices, counter-clockwise from outside if known
-  std::vector<glm::vec3> colors;       // empty, or one a vertex, linear 0 … 1
-  std::vector<glm::vec3> normals;      // empty, or one a vertex
-  std::uint32_t droppedFaces = 0;      // faces the reader had to leave out (counted as a repair)
+  std::vector<std::uint32_t> corners;     // vertex indices, counter-clockwise from outside if known
+  std::vector<glm::vec3> colors;          // empty, or one a vertex, linear 0 … 1
+  std::vector<glm::vec3> normals;         // empty, or one a vertex
+  std::vector<std::uint32_t> materials;   // empty, or one a polygon: its material or face colour
+  std::vector<glm::vec3> materialColors;  // empty, or by material, linear 0 … 1
+  std::uint32_t droppedFaces = 0;         // faces the reader had to leave out (counted as a repair)
 };
 
 /// Larger files are refused: they are read whole, and no viewer of lines wants them.

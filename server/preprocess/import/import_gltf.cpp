@@ -88,6 +88,15 @@ class GltfReader {
         maxCorners_(kCornersAlwaysFine + kCornersPerByte * fileBytes) {}
 
   Result<ImportedMesh> read() {
+    if (!model_.materials.empty()) {
+      for (const tinygltf::Material& material : model_.materials) {
+        const std::vector<double>& factor = material.pbrMetallicRoughness.baseColorFactor;
+        mesh_.materialColors.emplace_back(1.0F);
+        for (std::size_t k = 0; k < 3 && factor.size() >= 3; ++k)
+          mesh_.materialColors.back()[static_cast<int>(k)] = static_cast<float>(factor[k]);
+      }
+      mesh_.materialColors.emplace_back(1.0F);  // of primitives that name none
+    }
     if (auto walked = walkScene(); !walked) return tl::unexpected(walked.error());
     if (mesh_.polygonBegin.size() == 1 && mesh_.droppedFaces == 0) {
       return fail(
@@ -299,6 +308,12 @@ class GltfReader {
       }
       endPolygon(mesh_);
       tooMuch = mesh_.corners.size() > maxCorners_ || mesh_.corners.size() > kNone - 3;
+    }
+    if (!model_.materials.empty()) {
+      const bool isThere = has(model_.materials, primitive.material);
+      const std::size_t material =
+          isThere ? static_cast<std::size_t>(primitive.material) : model_.materials.size();
+      endMaterial(mesh_, static_cast<std::uint32_t>(material));
     }
     for (const std::size_t vertex : taken_)
       slots_[vertex] = kNone;

@@ -7,6 +7,7 @@
 #include "shared/core/ids.h"
 
 #include <charconv>
+#include <map>
 #include <string>
 
 namespace limn::import {
@@ -40,6 +41,9 @@ class ObjReader {
         readNormal();
       } else if (keyword == "f" || keyword == "fo") {
         readFace();
+        if (!materials_.empty()) endMaterial(mesh_, material_);
+      } else if (keyword == "usemtl") {
+        useMaterial(std::string(scanner_.tokenOnLine()));
       } else if (keyword == "l" || keyword == "p") {
         linesOrPoints_ = true;
       }
@@ -126,6 +130,13 @@ class ObjReader {
     if (mesh_.corners.size() == first) cornerNormals_.resize(first);
   }
 
+  /// Names tell faces apart; their colours are in another file. 0: faces before the first.
+  void useMaterial(const std::string& name) {
+    if (materials_.empty()) endMaterial(mesh_, 0);
+    const auto next = static_cast<std::uint32_t>(materials_.size()) + 1;
+    material_ = materials_.try_emplace(name, next).first->second;
+  }
+
   /// Normals belong to corners; they become the vertices' only where all corners of each agree.
   void attachNormals() {
     if (normals_.empty()) return;
@@ -145,6 +156,8 @@ class ObjReader {
 
   TextScanner scanner_;
   ImportedMesh mesh_;
+  std::map<std::string, std::uint32_t> materials_;
+  std::uint32_t material_ = 0;
   std::vector<glm::vec3> normals_;
   std::vector<std::uint32_t> cornerNormals_;  // one a corner of mesh_
   bool linesOrPoints_ = false;

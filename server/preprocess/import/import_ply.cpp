@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -464,9 +465,7 @@ class BodyReader {
       if (property.role <= Role::kZ) {
         position[role - static_cast<int>(Role::kX)] = value;
       } else if (property.role <= Role::kBlue) {
-        const double scale = fullScale(property.type);
-        color[role - static_cast<int>(Role::kRed)] =
-            scale == 1.0 ? static_cast<float>(value) : linearFromSrgb(value / scale);
+        color[role - static_cast<int>(Role::kRed)] = linearColor(property.type, value);
         hasColor = true;
       } else {
         normal[role - static_cast<int>(Role::kNormalX)] = static_cast<float>(value);
@@ -479,8 +478,17 @@ class BodyReader {
   }
 
   void readOther(const Element& element) {
+    const bool face = element.name == "face";
+    glm::vec3 color(0.0F);
+    bool hasColor = false;
     for (const Property& property : element.properties) {
-      const bool face = element.name == "face";
+      if (face && !property.countType && property.role >= Role::kRed &&
+          property.role <= Role::kBlue) {
+        color[static_cast<int>(property.role) - static_cast<int>(Role::kRed)] =
+            linearColor(property.type, values_.next(property.type));
+        hasColor = true;
+        continue;
+      }
       if (property.role != Role::kIndices || (!face && element.name != "tristrips")) {
         skipProperty(property);
         continue;
@@ -495,6 +503,20 @@ class BodyReader {
         readStrips(property.type, count);
       }
     }
+    if (hasColor) endMaterial(mesh_, materialOf(color));
+  }
+
+  static float linearColor(Type type, double value) {
+    const double scale = fullScale(type);
+    return scale == 1.0 ? static_cast<float>(value) : linearFromSrgb(value / scale);
+  }
+
+  /// A face colour is a material.
+  std::uint32_t materialOf(const glm::vec3& color) {
+    const auto next = static_cast<std::uint32_t>(mesh_.materialColors.size());
+    const auto [found, isNew] = materials_.try_emplace({color.x, color.y, color.z}, next);
+    if (isNew) mesh_.materialColors.push_back(color);
+    return found->second;
   }
 
   /// Triangle strips, -1 between them.
@@ -523,6 +545,7 @@ class BodyReader {
 
   Values values_;
   ImportedMesh mesh_;
+  std::map<std::array<float, 3>, std::uint32_t> materials_;  // by face colour
   std::string listProblem_;
 };
 

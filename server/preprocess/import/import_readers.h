@@ -27,6 +27,9 @@ namespace limn::import {
 /// Ends the polygon whose corners were pushed since the last end; fewer than three make no face.
 void endPolygon(ImportedMesh& mesh);
 
+/// Gives the polygons that have ended since the last call a material.
+void endMaterial(ImportedMesh& mesh, std::uint32_t material);
+
 /// A vertex index as a file has it; kNone for what can be none.
 [[nodiscard]] std::uint32_t vertexIndex(double value);
 

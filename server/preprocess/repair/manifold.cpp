@@ -261,6 +261,7 @@ Manifold makeManifold(std::vector<glm::ivec3> positions, std::vector<glm::uvec3>
   mesh.positions.reserve(mesh.positions.size() + fans.copyOf.size());
   for (const std::uint32_t original : fans.copyOf)
     mesh.positions.push_back(mesh.positions[original]);
+  mesh.copyOf = std::move(fans.copyOf);
   mesh.triangles = std::move(triangles);
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     mesh.triangles[f] = {fans.origins[3 * f], fans.origins[3 * f + 1], fans.origins[3 * f + 2]};

@@ -77,6 +77,7 @@ Result<QuantizedPolygons> quantize(const ImportedMesh& input, int bits) {
       high = glm::max(high, input.positions[v]);
     }
     result.polygonBegin.push_back(static_cast<std::uint32_t>(result.corners.size()));
+    result.polygons.push_back(static_cast<std::uint32_t>(p));
   }
   if (result.corners.empty()) {
     return fail(
@@ -104,6 +105,7 @@ Result<QuantizedPolygons> quantize(const ImportedMesh& input, int bits) {
     const glm::dvec3 cell = glm::floor((input.positions[v] - low) / result.grid.step + 0.5);
     vertexOf[v] = table.insert(glm::ivec3(glm::clamp(cell, 0.0, cells)));
   }
+  result.sources = result.corners;
   for (std::uint32_t& corner : result.corners)
     corner = vertexOf[corner];
   result.mergedVertices = referenced - result.positions.size();

@@ -107,10 +107,15 @@ std::uint64_t dropIsolated(TriangleMesh& mesh) {
   for (std::size_t v = 0; v < renumbered.size(); ++v) {
     if (renumbered[v] == 0) continue;
     mesh.positions[kept] = mesh.positions[v];
+    if (!mesh.attributes.colors.empty()) mesh.attributes.colors[kept] = mesh.attributes.colors[v];
+    if (!mesh.attributes.normals.empty())
+      mesh.attributes.normals[kept] = mesh.attributes.normals[v];
     renumbered[v] = kept++;
   }
   const std::uint64_t dropped = mesh.positions.size() - kept;
   mesh.positions.resize(kept);
+  if (!mesh.attributes.colors.empty()) mesh.attributes.colors.resize(kept);
+  if (!mesh.attributes.normals.empty()) mesh.attributes.normals.resize(kept);
   for (glm::uvec3& t : mesh.triangles)
     t = {renumbered[t.x], renumbered[t.y], renumbered[t.z]};
   return dropped;
@@ -135,6 +140,7 @@ Result<RepairedMesh> repairMesh(const ImportedMesh& input, const RepairOptions& 
   if (!quantized) return tl::unexpected(quantized.error());
   repair::Triangulation triangulation = repair::triangulate(*quantized);
   std::vector<glm::uvec3>& triangles = triangulation.triangles;
+  const repair::AttributeSource attributes(input, *quantized, triangulation);
   std::uint64_t droppedFaces =
       input.droppedFaces + quantized->droppedFaces + triangulation.droppedFaces;
   const auto degenerate = [](const glm::uvec3& t) {
@@ -155,6 +161,9 @@ Result<RepairedMesh> repairMesh(const ImportedMesh& input, const RepairOptions& 
   const auto flipped =
       std::accumulate(manifold.flipped.begin(), manifold.flipped.end(), std::uint64_t{0});
 
+  repair::AttributeSource::Carried carried = attributes.carry(manifold);
+  result.mesh.attributes = std::move(carried.attributes);
+  result.seams = std::move(carried.seams);
   result.mesh.grid = quantized->grid;
   result.mesh.positions = std::move(manifold.positions);
   result.mesh.triangles = std::move(manifold.triangles);
@@ -179,6 +188,7 @@ Result<RepairedMesh> repairMesh(const ImportedMesh& input, const RepairOptions& 
   count("triangulated", triangulation.triangulated);
   count("flipped", flipped);
   count("split_vertices", manifold.splitVertices);
+  count("blended_attributes", carried.blended);
   return result;
 }
 

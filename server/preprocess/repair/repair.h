@@ -9,11 +9,13 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace limn {
 
 /// What repair did, by the report's kinds: dropped_faces, dropped_vertices, merged_vertices,
-/// triangulated, flipped, split_vertices, filled_holes. Kinds with nothing done may be absent.
+/// triangulated, flipped, split_vertices, filled_holes, blended_attributes. Kinds with nothing done
+/// may be absent.
 using RepairCounts = std::map<std::string, std::uint64_t>;
 
 struct RepairOptions {
@@ -25,6 +27,7 @@ struct RepairOptions {
 /// corners lie on one line remain: without them their neighbours would have holes.
 struct RepairedMesh {
   TriangleMesh mesh;
+  std::vector<std::uint8_t> seams;  // kFeatureSeam or 0 a half-edge; empty: the model has none
   RepairCounts repairs;
   // The input as imported, triangulated by fans: what the report's "input" says.
   std::uint64_t inputVertices = 0;

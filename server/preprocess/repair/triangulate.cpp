@@ -35,6 +35,7 @@ Triangulation triangulate(const QuantizedPolygons& polygons) {
           result.triangles.end());
     }
     if (result.triangles.size() == before) ++result.droppedFaces;
+    result.polygons.resize(result.triangles.size(), static_cast<std::uint32_t>(p));
   }
   return result;
 }

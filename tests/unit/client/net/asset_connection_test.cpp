@@ -49,9 +49,12 @@ class AssetFilesTest : public testing::Test {
     add(sections::kBase, {knot().base});
     add(sections::kBlocks, knot().blocks);
     add(sections::kPackets, knot().packets);
-    ASSERT_TRUE((*writer)->commit(R"({"name":"trefoil"})"));
+    ASSERT_TRUE(
+        (*writer)->commit(R"({"name":"trefoil","asset_format":)" + std::to_string(format()) + "}"));
     directory_ = root_ / "assets" / toHex(knot().id);
   }
+
+  [[nodiscard]] virtual int format() const { return protocol::kAssetFormat; }
 
   void TearDown() override { fs::remove_all(root_); }
 
@@ -103,6 +106,19 @@ TEST_F(AssetFilesTest, AMissingOrCutFileIsNoticed) {
     fs::rename(aside, path);
   }
   EXPECT_TRUE(readAssetFiles(directory_));
+}
+
+/// Written by a Limn of before.
+class OlderAssetFilesTest : public AssetFilesTest {
+  [[nodiscard]] int format() const override { return protocol::kAssetFormat - 1; }
+};
+
+TEST_F(OlderAssetFilesTest, AreRefusedByTheirVersion) {
+  const auto files = readAssetFiles(directory_);
+  ASSERT_FALSE(files);
+  EXPECT_EQ(files.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(files.error().message.find("older Limn"), std::string::npos) << files.error().message;
+  EXPECT_NE(files.error().message.find("limn-prepare"), std::string::npos);
 }
 
 TEST_F(AssetFilesTest, APlaceWithoutAnAssetIsNamed) {

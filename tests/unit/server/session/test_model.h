@@ -10,6 +10,7 @@
 #include "server/session/task_runner.h"
 #include "server/store/asset_store.h"
 
+#include "protocol/framing.h"
 #include "protocol/messages.h"
 
 #include "shared/mesh/triangle_mesh.h"
@@ -54,7 +55,7 @@ class MemoryAsset final : public Asset {
  private:
   Sha256Digest id_;
   std::map<std::string, std::vector<std::uint8_t>, std::less<>> parts_;
-  std::string report_ = "{}";
+  std::string report_ = R"({"asset_format":)" + std::to_string(protocol::kAssetFormat) + "}";
 };
 
 inline BuiltForest builtForestOf(const TriangleMesh& mesh, std::uint32_t baseFaces) {
