@@ -121,6 +121,7 @@ Result<void> prepareOne(
         encodePly(mesh.grid, mesh.positions, mesh.triangles, mesh.attributes));
     if (!written) return written;
   }
+  if (!model->note.empty()) std::cerr << "limn-prepare: " << name << ": " << model->note << '\n';
   if (arguments.json) {
     std::cout << model->reportJson << std::endl;
   } else {
@@ -201,7 +202,11 @@ int run(int argc, char** argv) {
     return usageError("--viewpoints takes AZIMUTHSxELEVATIONS, 1 to 64 each, such as 8x5");
   }
   if (arguments.placement != "subset") {
-    return usageError("--placement volume is not part of this release; use subset");
+    return usageError(
+        "--placement volume cannot be streamed split by split: survivors that move would send "
+        "every "
+        "position twice; use --placement subset (or leave it out), with --cost volume for the "
+        "smaller distances");
   }
   if (!arguments.dumpMesh.empty() && arguments.inputs.size() != 1) {
     return usageError("--dump-mesh needs a single input");

@@ -2,6 +2,7 @@
 #include "server/preprocess/pipeline.h"
 
 #include "server/preprocess/asset_sections.h"
+#include "server/preprocess/forest/base_reach.h"
 #include "server/preprocess/hull_sections.h"
 #include "server/preprocess/hulls/hulls.h"
 #include "server/preprocess/import/import.h"
@@ -110,6 +111,10 @@ Json hullJson(const Hulls& hulls, const HullSections& sections, std::uint32_t fa
       {"mesh_volume", hulls.meshVolume}};
 }
 
+TriangleMesh fullMesh(const SplitForest& forest) {
+  return {forest.grid, forest.positions, forest.triangles, forest.attributes};
+}
+
 Json makeReport(
     const ImportedMesh& imported,
     const RepairedMesh& repaired,
@@ -139,6 +144,15 @@ Json makeReport(
       {"colors", !forest.attributes.colors.empty()},
       {"normals", !forest.attributes.normals.empty()},
       {"seams", seamCount}};
+  const std::uint32_t baseFaces = built.levels.front().faces;
+  json["base"] = {{"faces", baseFaces}, {"asked", options.forest.baseFaces}};
+  if (baseFaces > options.forest.baseFaces) {
+    const MeshTopology topology = topologyOf(fullMesh(forest));
+    json["base"]["pieces"] = topology.pieces;
+    json["base"]["holes"] = topology.holes;
+    json["base"]["tunnels"] = topology.tunnels;
+    json["base"]["note"] = whyBaseIsLarger(baseFaces, options.forest.baseFaces, topology);
+  }
   json["quantization_bits"] = options.repair.quantizationBits;
   json["levels"] = Json::array();
   for (std::size_t level = 0; level < built.levels.size(); ++level) {
@@ -195,8 +209,9 @@ Json secondsJson(const Stages& stages) {
       {"total", total}};
 }
 
-TriangleMesh fullMesh(const SplitForest& forest) {
-  return {forest.grid, forest.positions, forest.triangles, forest.attributes};
+std::string noteOf(const Json& report) {
+  const auto base = report.find("base");
+  return base != report.end() && base->is_object() ? base->value("note", std::string()) : "";
 }
 
 // The name, asset and path head a report; the rest is the asset's own.
@@ -235,8 +250,9 @@ Result<std::optional<PreparedModel>> reuse(
   if (!section) return tl::unexpected(section.error());
   const auto forest = parseForest(*section);
   if (!forest) return tl::unexpected(forest.error());
-  PreparedModel model{name, id, fullMesh(*forest), {}};
+  PreparedModel model{name, id, fullMesh(*forest), {}, {}};
   const Json report = Json::parse((*asset)->report(), nullptr, false);
+  if (report.is_object()) model.note = noteOf(report);
   model.reportJson = headed(name, id, input, report.is_discarded() ? Json::object() : report);
   return std::optional(std::move(model));
 }
@@ -357,7 +373,9 @@ Result<PreparedModel> prepareModel(
   }
   if (auto set = named(); !set) return tl::unexpected(set.error());
   progress("done", 1.0);
-  return PreparedModel{name, *id, prepared, headed(name, *id, input, std::move(report))};
+  PreparedModel model{name, *id, prepared, noteOf(report), {}};
+  model.reportJson = headed(name, *id, input, std::move(report));
+  return model;
 }
 
 }  // namespace limn

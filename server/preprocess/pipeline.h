@@ -29,6 +29,7 @@ struct PreparedModel {
   std::string name;
   Sha256Digest asset{};
   TriangleMesh mesh;       // what is streamed, vertices by permanent id
+  std::string note;        // what the user should know about the result; empty: nothing
   std::string reportJson;  // limn-prepare --json
 };
 

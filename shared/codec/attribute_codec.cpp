@@ -3,7 +3,7 @@
 
 #include "shared/codec/attribute_syntax.h"
 
-#include <ranges>
+#include <numeric>
 
 namespace limn {
 namespace {
@@ -28,8 +28,11 @@ Neighbours neighboursOf(const SplitForest& forest, VertexId v) {
       [&](std::uint32_t i) { return forest.attributes.at(ring[i]); });
 }
 
-template <class Ids>
-std::vector<std::uint8_t> encode(const SplitForest& forest, const Ids& ids) {
+}  // namespace
+
+std::vector<std::uint8_t> encodeAttributes(
+    const SplitForest& forest,
+    std::span<const VertexId> ids) {
   const std::uint8_t kinds = forest.attributeKinds();
   if (kinds == 0) return {};
   AdaptiveContexts contexts(attribute_syntax::kContexts);
@@ -41,17 +44,11 @@ std::vector<std::uint8_t> encode(const SplitForest& forest, const Ids& ids) {
   return bins.finish();
 }
 
-}  // namespace
-
-std::vector<std::uint8_t> encodeAttributes(
-    const SplitForest& forest,
-    std::span<const VertexId> ids) {
-  return encode(forest, ids);
-}
-
 std::vector<std::uint8_t>
 encodeAttributes(const SplitForest& forest, VertexId begin, VertexId end) {
-  return encode(forest, std::views::iota(begin, end));
+  std::vector<VertexId> ids(end - begin);
+  std::iota(ids.begin(), ids.end(), begin);
+  return encodeAttributes(forest, ids);
 }
 
 AttributeReader::AttributeReader(std::uint8_t kinds, std::span<const std::uint8_t> bytes)

@@ -26,7 +26,8 @@ BIN = pathlib.Path(os.environ.get("LIMN_BIN", "build/dev/bin"))
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 DEADLINE_S = 120  # for anything: a hang is a failure, not a wait
 
-Mesh = collections.namedtuple("Mesh", "positions faces")  # grid triples, index triples
+# Grid triples, index triples; a tuple a vertex of its colour and normal, as far as the mesh has them.
+Mesh = collections.namedtuple("Mesh", "positions faces attributes", defaults=(None,))
 
 
 def models():
@@ -95,19 +96,22 @@ def read_ply(path):
             elements.append((words[1], int(words[2]), []))
         elif words[:1] == ["property"]:
             elements[-1][2].append(words[1:])
-    positions, faces = [], []
+    positions, faces, attributes = [], [], []
     tokens, offset = (iter(body.split()), 0)
     for name, count, properties in elements:
         if name == "vertex":
             where = [p[-1] for p in properties]
             q = [where.index(axis) for axis in ("qx", "qy", "qz")]
+            more = [i for i, name in enumerate(where) if name in ("red", "green", "blue", "nx", "ny", "nz")]
             if binary:
                 record = struct.Struct("<" + "".join(PLY_TYPES[p[0]] for p in properties))
                 rows = record.iter_unpack(body[offset:offset + count * record.size])
                 offset += count * record.size
             else:
                 rows = ([float(next(tokens)) for _ in properties] for _ in range(count))
-            positions = [tuple(int(row[i]) for i in q) for row in rows]
+            for row in rows:
+                positions.append(tuple(int(row[i]) for i in q))
+                attributes.append(tuple(row[i] for i in more))
         elif name == "face":
             for _ in range(count):
                 if binary:
@@ -118,7 +122,35 @@ def read_ply(path):
                     offset += struct.calcsize("<%d%s" % (length, index_type))
                 else:
                     faces.append(tuple(int(next(tokens)) for _ in range(int(next(tokens)))))
-    return Mesh(positions, faces)
+    return Mesh(positions, faces, attributes)
+
+
+def write_painted(path, shape):
+    """A PLY file of a shape with a colour and a normal a vertex: stripes and gradients."""
+    lines = ["ply", "format ascii 1.0", "element vertex %d" % len(shape[0])]
+    lines += ["property float " + name for name in ("x", "y", "z", "nx", "ny", "nz")]
+    lines += ["property uchar " + name for name in ("red", "green", "blue")]
+    lines += ["element face %d" % len(shape[1]), "property list uchar int vertex_indices", "end_header"]
+    for i, (x, y, z) in enumerate(shape[0]):
+        color = (200, 40, 10) if i // 5 % 2 else (i % 256, 7 * i % 256, 128)
+        lines.append("%r %r %r %r %r %r %d %d %d" % (x, y, z, x, y + 0.3, z - 0.2, *color))
+    lines += [" ".join(map(str, (len(face), *face))) for face in shape[1]]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def write_two_materials(path, shape):
+    """A PLY file whose faces have colours: the first half red, the rest blue."""
+    lines = ["ply", "format ascii 1.0", "element vertex %d" % len(shape[0])]
+    lines += ["property float " + name for name in ("x", "y", "z")]
+    lines += ["element face %d" % len(shape[1]), "property list uchar int vertex_indices"]
+    lines += ["property uchar " + name for name in ("red", "green", "blue")] + ["end_header"]
+    lines += ["%r %r %r" % tuple(position) for position in shape[0]]
+    for i, face in enumerate(shape[1]):
+        color = "220 20 20" if 2 * i < len(shape[1]) else "20 20 220"
+        lines.append(" ".join(map(str, (len(face), *face))) + " " + color)
+    path.write_text("\n".join(lines) + "\n")
+    return path
 
 
 def canonical(mesh):

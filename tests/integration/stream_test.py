@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a client holds after a stream is what was prepared, whatever the order it came in."""
 
+import collections
+import json
 import os
 import unittest
 
-from harness import Case, Mesh, Server, canonical, hills, manifold_fault, models, pair, read_ply, run, torus
+from harness import Case, Mesh, Server, canonical, hills, manifold_fault, models, pair, read_ply, run, torus, \
+    write_painted, write_two_materials
 
 SHAPES = {"torus": torus(48, 24), "bumpy": torus(96, 48, 0.3), "hills": hills(40, 30), "pair": pair()}
 CAMERAS = ["orbit:0,0", "orbit:130,40,1.5", "orbit:250,-75,8"]
@@ -31,6 +34,37 @@ class Stream(Case):
                 for name in SHAPES:
                     _, mesh = self.draw(server.url, name, "--until", "complete")
                     self.assert_same_mesh(mesh, wanted[name], "%s, seed %d" % (name, seed))
+
+    def test_colours_and_normals_arrive_as_they_were_prepared(self):
+        vertices = lambda mesh: collections.Counter(zip(mesh.positions, mesh.attributes))
+        report, wanted = self.prepare(write_painted(self.folder / "painted.ply", SHAPES["bumpy"]), "painted")
+        self.assertTrue(report["mesh"]["colors"] and report["mesh"]["normals"])
+        self.assertGreater(report["bytes"]["attributes"], 0)
+        self.assertEqual(len(wanted.attributes[0]), 6)
+        with Server(self.store) as server:
+            _, mesh = self.draw(server.url, "painted", "--until", "complete", "--draw", "shaded")
+            self.assert_same_mesh(mesh, wanted, "painted")
+            self.assertEqual(vertices(mesh), vertices(wanted))
+            known = dict(zip(wanted.positions, wanted.attributes))
+            _, mesh = self.draw(server.url, "painted", "--until", "settled")
+            for position, attributes in zip(mesh.positions, mesh.attributes):
+                self.assertEqual(known[position], attributes, "a coarse vertex is as it will stay")
+        with Server(self.store, "--random-order", 5) as server:
+            _, mesh = self.draw(server.url, "painted", "--until", "complete")
+            self.assertEqual(vertices(mesh), vertices(wanted))
+
+    def test_seams_between_materials_are_streamed_and_drawn(self):
+        report, _ = self.prepare(write_two_materials(self.folder / "two.ply", SHAPES["torus"]), "two")
+        self.assertEqual(report["mesh"]["seams"], 48, "two rings of the torus, 24 edges each")
+        lines = self.folder / "lines.json"
+        with Server(self.store) as server:
+            for features, kinds in (("seam", {"seam"}), ("crease,border", set())):
+                self.draw(server.url, "two", "--until", "complete", "--features", features, "--dump-lines", lines)
+                drawn = json.loads(lines.read_text())["lines"]
+                self.assertEqual({line["kind"] for line in drawn} - {"silhouette"}, kinds)
+                if kinds:
+                    seams = [line for line in drawn if line["kind"] == "seam"]
+                    self.assertEqual([(line["closed"], len(line["points"])) for line in seams], [(True, 24)] * 2)
 
     def test_every_state_on_the_way_is_a_manifold(self):
         sizes = {name: self.prepare_shape(name, shape)[0]["bytes"] for name, shape in SHAPES.items()}

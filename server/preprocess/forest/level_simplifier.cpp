@@ -10,6 +10,7 @@
 #include "server/preprocess/forest/parallel.h"
 
 #include "shared/mesh/closest_point.h"
+#include "shared/progressive/vertex_split.h"
 
 #include <algorithm>
 #include <array>
@@ -52,6 +53,7 @@ LevelSimplifier::LevelSimplifier(CollapseMesh mesh, const ForestOptions& options
       queue_(vertexCount()),
       lockedIn_(vertexCount(), 0),
       parentIn_(vertexCount(), 0),
+      sides_(vertexCount()),
       ancestor_(vertexCount()) {
   std::iota(ancestor_.begin(), ancestor_.end(), 0U);
   present_ = ancestor_;
@@ -197,14 +199,25 @@ void LevelSimplifier::collapseIfAllowed(
   double cost = 0.0;
   const auto collapse = bestCollapse(v, limits, &cost);
   // The cheap parents may be taken: then this vertex waits for the next level.
-  if (!collapse || static_cast<float>(cost) > ceiling_) return;
+  if (!collapse || static_cast<float>(cost) > ceiling_ || sharesFeature(*collapse)) return;
   lockAround(v);
   parentIn_[collapse->kept] = stamp_;
+  sides_[collapse->kept] = {collapse->left, collapse->right};
   level.bounds.push_back(bounds_.beforeCollapse(mesh_, *collapse));
   level.collapses.push_back(*collapse);
   mesh_.collapse(*collapse);
   costs_.collapsed(*collapse);
   ancestor_[v] = collapse->kept;
+}
+
+bool LevelSimplifier::sharesFeature(const HalfEdgeCollapse& collapse) const {
+  const std::uint8_t features = collapse.features | collapse.seams;
+  const auto shares = [&](std::uint32_t side, std::uint8_t edges) {
+    if (side == kNone || (features & edges) == 0 || parentIn_[side] != stamp_) return false;
+    return sides_[side][0] == collapse.kept || sides_[side][1] == collapse.kept;
+  };
+  return shares(collapse.left, kSplitEdgeUL | kSplitEdgeVL) ||
+         shares(collapse.right, kSplitEdgeUR | kSplitEdgeVR);
 }
 
 void LevelSimplifier::lockAround(std::uint32_t v) {

@@ -7,6 +7,7 @@
 #include "server/preprocess/forest/packing_queue.h"
 #include "server/preprocess/forest/split_bounds.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -64,6 +65,9 @@ class LevelSimplifier {
   [[nodiscard]] CollapseLevel collapseLevel(const CollapseLimits& limits);
   void enqueue(std::span<const Candidate> bucket);
   void collapseIfAllowed(std::uint32_t v, const CollapseLimits& limits, CollapseLevel& level);
+  /// Whether another collapse of the level had to do with a feature that this one says something
+  /// of, the edge between their parents: clients may apply the two in either order.
+  [[nodiscard]] bool sharesFeature(const HalfEdgeCollapse& collapse) const;
   void lockAround(std::uint32_t v);
 
   [[nodiscard]] bool isLocked(std::uint32_t v) const { return lockedIn_[v] == stamp_; }
@@ -78,11 +82,12 @@ class LevelSimplifier {
   PackingQueue queue_;
   std::vector<CollapseLevel> levels_;
   LevelSummary base_;
-  std::uint8_t stamp_ = 0;               // of the level under way
-  double smallEdge2_ = 0.0;              // edges below are small in it
-  float ceiling_ = 0.0F;                 // what a collapse of that level may cost
-  std::vector<std::uint8_t> lockedIn_;   // level in which a vertex was locked last
-  std::vector<std::uint8_t> parentIn_;   // … was a parent last
+  std::uint8_t stamp_ = 0;                           // of the level under way
+  double smallEdge2_ = 0.0;                          // edges below are small in it
+  float ceiling_ = 0.0F;                             // what a collapse of that level may cost
+  std::vector<std::uint8_t> lockedIn_;               // level in which a vertex was locked last
+  std::vector<std::uint8_t> parentIn_;               // … was a parent last
+  std::vector<std::array<std::uint32_t, 2>> sides_;  // … of which collapse: left and right
   std::vector<std::uint32_t> ancestor_;  // itself while present, else some present-er ancestor
   std::vector<std::uint32_t> present_;
 };

@@ -47,6 +47,12 @@ TEST(StreamDecoderProperty, AnyLegalOrderEndsInThePreparedMesh) {
     ActiveMesh prepared = baseMeshOf(forest);
     for (VertexId v = forest.baseVertexCount(); v < forest.vertexCount(); ++v)
       ASSERT_TRUE(prepared.apply(forest.split(v)));
+    const auto seamsOf = [](std::span<const std::uint8_t> features) {
+      return std::count_if(features.begin(), features.end(), [](std::uint8_t f) {
+        return (f & kFeatureSeam) != 0;
+      });
+    };
+    EXPECT_EQ(seamsOf(prepared.features()), seamsOf(stripeSeams(shape)));
     for (const OrderKind kind : {OrderKind::kUniform, OrderKind::kDepthFirst}) {
       StreamDecoder decoder;
       const auto info = protocol::decodeMessage(asset.info, protocol::Sender::kServer);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/preprocess/repair/repair.h"
+#include "tests/corpus/corpus.h"
 
 #include "shared/core/rng.h"
 #include "shared/mesh/half_edge.h"
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 
 namespace limn {
@@ -173,6 +175,21 @@ TEST(RepairAttributes, MaterialsGiveColoursAndSeams) {
     // The order of faces stays.
     const bool differs = (h / 3 < faces / 2) != (links->twin(h) / 3 < faces / 2);
     EXPECT_EQ(repaired->seams[h] != 0, differs);
+  }
+}
+
+// Real assemblies: bricks and engine parts whose materials meet.
+TEST(RepairAttributes, SeamsOfRealModelsAreFound) {
+  const auto folder = corpus::modelsFolder();
+  if (!folder) GTEST_SKIP() << corpus::kNoModels;
+  for (const char* name : {"lego-car.ply", "engine.glb"}) {
+    if (!std::filesystem::exists(*folder / name)) continue;
+    const auto input = importMesh(*folder / name);
+    ASSERT_TRUE(input) << input.error().message;
+    const auto repaired = repairMesh(*input, {14});
+    ASSERT_TRUE(repaired) << repaired.error().message;
+    EXPECT_EQ(repaired->mesh.attributes.colors.size(), repaired->mesh.positions.size());
+    EXPECT_GT(std::count(repaired->seams.begin(), repaired->seams.end(), kFeatureSeam), 200);
   }
 }
 
