@@ -22,7 +22,8 @@ struct PrepareOptions {
   int seedAzimuths = 8;
   int seedElevations = 5;
   HullOptions hull;
-  std::uint32_t hullFaces = 500;  // the level of the hulls that has maps and that the report measures
+  std::uint32_t hullFaces =
+      500;  // the level of the hulls that has maps and that the report measures
 };
 
 struct PreparedModel {
