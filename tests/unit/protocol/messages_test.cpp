@@ -220,12 +220,13 @@ TEST(Messages, SeedPiecesPastTheirTotalAreRefused) {
       refuses(HaveSet{0, {}, true, 0, {}, true, limits::kMaxSeedBytes + 1}, Sender::kClient));
 }
 
-TEST(Messages, OnlyMeshDataCountsAsPayload) {
+TEST(Messages, OnlyModelDataAndContoursCountAsPayload) {
   for (const Sample& sample : samples()) {
     const auto message = decodeMessage(sample.bytes, sample.sender);
     const std::string_view name = nameOf(message->body);
     const bool expected = name == "Base" || name == "LevelBlock" || name == "Packet" ||
-                          name == "Seeds" || name == "Hull" || name == "HullSplits";
+                          name == "Seeds" || name == "Hull" || name == "HullSplits" ||
+                          name == "Map" || name == "Contour";
     EXPECT_EQ(isPayload(message->body), expected) << name;
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes as a split model, seeds, an id set or a contour: what decodes must encode to something that
-// decodes to the same.
+// Any bytes as a split model, seeds, an id set or a contour: what decodes must encode to something
+// that decodes to the same.
 #include "shared/codec/contour_codec.h"
 #include "shared/codec/id_set.h"
 #include "shared/codec/seed_codec.h"
