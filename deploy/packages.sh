@@ -9,14 +9,14 @@ set -eu
 build="ca-certificates ccache cmake g++ make ninja-build pkg-config
   flatbuffers-compiler libflatbuffers-dev libdraco-dev libglm-dev libexpected-dev libssl-dev
   libwebsockets-dev libev-dev libsystemd-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libtomlplusplus-dev libstb-dev
-  libegl-dev libgles-dev libosmesa6-dev
+  libegl-dev libgles-dev libosmesa6-dev libglfw3-dev libimgui-dev
   libopenmesh-dev libcgal-dev libtinygltf-dev libopencv-core-dev libopencv-imgproc-dev"
 
 # What the programs open at run time and the packages above do not bring: Mesa's software drivers.
 run="libegl-mesa0 libgl1-mesa-dri libosmesa6 libwebsockets-evlib-ev"
 
 # Tests, benches, sanitizers and style checks.
-test="libgtest-dev libbenchmark-dev draco python3 git
+test="libgtest-dev libbenchmark-dev draco python3 git xvfb xauth xdotool
   librsvg2-bin clang libclang-rt-14-dev llvm-14 clang-format clang-tidy"
 
 # What benches compare with, where it is there.

@@ -2,6 +2,7 @@
 #include "client/apps/render_command.h"
 
 #include "client/apps/contour_check.h"
+#include "client/apps/drawing_options.h"
 #include "client/apps/dumps.h"
 #include "client/apps/interrupt.h"
 #include "client/apps/line_finder.h"
@@ -87,21 +88,7 @@ class Painter {
       auto made = make();
       if (!made) return tl::unexpected(made.error());
     }
-    RenderOptions options;
-    options.viewport = options_.viewport;
-    options.draw = options_.draw;
-    options.style = options_.style;
-    options.widthPx = options_.widthPx;
-    options.widthModelUnits = options_.widthModelUnits;
-    options.widthFalloff = options_.widthFalloff;
-    options.brush = options_.brush;
-    options.hidden = options_.hidden;
-    options.lineColor = options_.lineColor;
-    options.light = options_.light;
-    options.lineFade = options_.lineFade;
-    options.firstLayer = options_.firstLayer;
-    options.hullFaces = options_.hullFaces;
-    return renderer_->render(snapshot, lines, camera, options);
+    return renderer_->render(snapshot, lines, camera, renderOptionsOf(options_));
   }
 
   [[nodiscard]] std::optional<GlDescription> gl() const {
@@ -159,15 +146,6 @@ class LineResolver {
   VisibilityResolver resolver_;
 };
 
-LineFinderOptions lineOptions(const RenderCommandOptions& options) {
-  return {
-      options.detector,
-      options.silhouette,
-      options.features,
-      options.light,
-      options.detectorParameters};
-}
-
 Result<ContourError> checkAgainstReference(
     const RenderCommandOptions& options,
     const Camera& camera,
@@ -176,7 +154,7 @@ Result<ContourError> checkAgainstReference(
   if (!source) return tl::unexpected(source.error().within("--reference"));
   const auto whole = loadWhole(*source);
   if (!whole) return tl::unexpected(whole.error().within("--reference"));
-  LineFinderOptions exact = lineOptions(options);
+  LineFinderOptions exact = lineOptionsOf(options);
   exact.detector = DetectorMethod::kBrute;
   LineFinder finder(whole->snapshot, exact);
   const auto found = finder.find(camera);
@@ -285,7 +263,7 @@ class Drawing {
  private:
   Result<LineFinder::Lines> findLines(const Camera& camera) {
     if (!finder_) {
-      LineFinderOptions lines = lineOptions(options_);
+      LineFinderOptions lines = lineOptionsOf(options_);
       lines.cones = &cones_;
       if (options_.detector == DetectorMethod::kImage) {
         if (auto ok = makeImageSeeds(); !ok) return tl::unexpected(ok.error());

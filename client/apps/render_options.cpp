@@ -3,6 +3,7 @@
 
 #include "client/apps/detector_flags.h"
 #include "client/apps/sweep_options.h"
+#include "client/apps/view_options.h"
 #include "client/net/server_url.h"
 #include "client/stroke/style.h"
 
@@ -30,15 +31,12 @@ Examples:
   limn-client render --mesh bunny.ply --camera orbit:30,20,3 --out bunny.png --report bunny.json
   limn-client render --mesh gears.stl --silhouette edges --style ink --svg gears.svg
   limn-client render --asset store/assets/ID --until base --dump-mesh base.ply
+  limn-client view --server ws://127.0.0.1:8600
   limn-client render --mesh cow.obj --path orbit --frames 36 --out 'f%04d.png'
 )";
 
 tl::unexpected<Error> wrong(const std::string& message) {
   return fail(ErrorCode::kInvalidArgument, message);
-}
-
-tl::unexpected<Error> later(const std::string& what) {
-  return fail(ErrorCode::kUnsupported, what + " is not in this release");
 }
 
 template <class Number>
@@ -358,7 +356,8 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
   render->footer(kExamples);
   addRender(*render, options, raw);
   CLI::App* view = app.add_subcommand("view", "Show a model in a window");
-  view->allow_extras()->group("");
+  ViewFlags viewFlags;
+  viewFlags.addTo(*view);
   CLI::App* sweep = app.add_subcommand("sweep", "Compare detectors over a camera path");
   SweepFlags sweepFlags;
   sweepFlags.addTo(*sweep);
@@ -370,15 +369,23 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
     std::ostringstream text;
     std::ostringstream ignored;
     app.exit(done, text, ignored);
-    return CommandLine{std::nullopt, nullptr, text.str()};
+    CommandLine line;
+    line.print = text.str();
+    return line;
   } catch (const CLI::ParseError& error) {
     std::string what = error.what();
     std::replace(what.begin(), what.end(), '\n', ' ');
     if (arguments.empty()) what = "say what to do, for instance render";
-    const std::string command = sweep->parsed() ? "sweep" : "render";
+    const std::string command = sweep->parsed() ? "sweep" : view->parsed() ? "view" : "render";
     return wrong(what + "; limn-client " + command + " --help has the flags and examples");
   }
-  if (view->parsed()) return later("limn-client view");
+  if (view->parsed()) {
+    auto parsed = viewFlags.parse();
+    if (!parsed) return tl::unexpected(parsed.error());
+    CommandLine line;
+    line.view = std::make_shared<const ViewCommandOptions>(std::move(*parsed));
+    return line;
+  }
   if (sweep->parsed()) {
     auto parsed = sweepFlags.parse();
     if (!parsed) return tl::unexpected(parsed.error());
@@ -399,7 +406,9 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
         "nothing to write: give --out, --svg, --report, --dump-mesh, --dump-lines, --dump-hull or "
         "--dump-inner-hull");
   }
-  return CommandLine{std::move(options), nullptr, {}};
+  CommandLine line;
+  line.render = std::move(options);
+  return line;
 }
 
 Result<StopCondition> parseUntil(const std::string& text) {

@@ -90,11 +90,13 @@ struct RenderCommandOptions {
 };
 
 struct SweepCommandOptions;
+struct ViewCommandOptions;
 
-/// What the command line asks for: one of the three.
+/// What the command line asks for: one of the four.
 struct CommandLine {
   std::optional<RenderCommandOptions> render;
   std::shared_ptr<const SweepCommandOptions> sweep;
+  std::shared_ptr<const ViewCommandOptions> view;
   std::string print;  // help or version: goes to stdout, and that is all
 };
 

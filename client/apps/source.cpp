@@ -6,7 +6,6 @@
 #include "client/apps/temporary_directory.h"
 #include "client/net/asset_connection.h"
 #include "client/net/asset_files.h"
-#include "client/net/lws_connection.h"
 
 #include <nlohmann/json.hpp>
 
@@ -40,20 +39,6 @@ Result<std::string> readToken(const std::filesystem::path& path) {
         "token file " + path.string() + " does not hold one token of printable characters");
   }
   return token;
-}
-
-Result<Source> openServerSource(const SourceOptions& options) {
-  LwsConnectionOptions connection;
-  auto url = parseServerUrl(options.serverUrl);
-  if (!url) return tl::unexpected(url.error());
-  connection.url = std::move(*url);
-  if (!options.tokenFile.empty()) {
-    auto token = readToken(options.tokenFile);
-    if (!token) return tl::unexpected(token.error());
-    connection.token = std::move(*token);
-  }
-  connection.caFile = options.caFile.string();
-  return Source{options.model, [connection] { return makeLwsConnection(connection); }, true};
 }
 
 /// The last line with something in it.
@@ -118,6 +103,20 @@ Result<Source> openMeshSource(const SourceOptions& options) {
 
 }  // namespace
 
+Result<LwsConnectionOptions> serverOf(const SourceOptions& options) {
+  LwsConnectionOptions server;
+  auto url = parseServerUrl(options.serverUrl);
+  if (!url) return tl::unexpected(url.error());
+  server.url = std::move(*url);
+  if (!options.tokenFile.empty()) {
+    auto token = readToken(options.tokenFile);
+    if (!token) return tl::unexpected(token.error());
+    server.token = std::move(*token);
+  }
+  server.caFile = options.caFile.string();
+  return server;
+}
+
 Result<Source> openAssetSource(const std::filesystem::path& directory) {
   auto files = readAssetFiles(directory);
   if (!files) return tl::unexpected(files.error());
@@ -126,7 +125,11 @@ Result<Source> openAssetSource(const std::filesystem::path& directory) {
 }
 
 Result<Source> openSource(const SourceOptions& options) {
-  if (!options.serverUrl.empty()) return openServerSource(options);
+  if (!options.serverUrl.empty()) {
+    const auto server = serverOf(options);
+    if (!server) return tl::unexpected(server.error());
+    return Source{options.model, [server = *server] { return makeLwsConnection(server); }, true};
+  }
   if (!options.assetDirectory.empty()) return openAssetSource(options.assetDirectory);
   return openMeshSource(options);
 }

@@ -3,6 +3,7 @@
 
 #include "client/apps/render_options.h"
 #include "client/core/connection.h"
+#include "client/net/lws_connection.h"
 
 #include "shared/core/result.h"
 
@@ -18,6 +19,9 @@ struct Source {
   ConnectionFactory connect;
   bool isServer = false;
 };
+
+/// The server that the options name, with the token read. Errors: kInvalidArgument, kNotFound.
+[[nodiscard]] Result<LwsConnectionOptions> serverOf(const SourceOptions& options);
 
 /// Makes a source out of the options: reads the token, or reads the asset, or prepares the mesh
 /// file with limn-prepare into a temporary store, which is gone when this returns.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/net/load_connections.h"
 
+#include "client/net/bearer_token.h"
+
 #include <libwebsockets.h>
 #include <sys/resource.h>
 
@@ -167,18 +169,8 @@ struct LoadConnections::Impl {
     auto* connection = static_cast<Connection*>(lws_get_opaque_user_data(wsi));
     if (connection == nullptr) return 0;
     switch (reason) {
-      case LWS_CALLBACK_CLIENT_APPEND_HANDSHAKE_HEADER: {
-        if (options.token.empty()) return 0;
-        auto** cursor = static_cast<unsigned char**>(in);
-        const std::string value = "Bearer " + options.token;
-        return lws_add_http_header_by_token(
-            wsi,
-            WSI_TOKEN_HTTP_AUTHORIZATION,
-            reinterpret_cast<const unsigned char*>(value.data()),
-            static_cast<int>(value.size()),
-            cursor,
-            *cursor + length);
-      }
+      case LWS_CALLBACK_CLIENT_APPEND_HANDSHAKE_HEADER:
+        return addBearerToken(wsi, options.token, in, length);
       case LWS_CALLBACK_CLIENT_ESTABLISHED:
         connection->open = true;
         if (listener != nullptr) listener->opened(connection->id);

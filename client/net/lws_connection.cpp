@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/net/lws_connection.h"
 
+#include "client/net/bearer_token.h"
+
 #include "protocol/framing.h"
 #include "protocol/limits.h"
 
@@ -106,7 +108,7 @@ class LwsConnection final : public Connection {
   int on(lws* wsi, lws_callback_reasons reason, void* in, std::size_t length) {
     switch (reason) {
       case LWS_CALLBACK_CLIENT_APPEND_HANDSHAKE_HEADER:
-        return addToken(wsi, in, length);
+        return addBearerToken(wsi, options_.token, in, length);
       case LWS_CALLBACK_CLIENT_ESTABLISHED:
         established_ = true;
         if (!isStopping()) listener_->onOpen();
@@ -136,22 +138,6 @@ class LwsConnection final : public Connection {
       default:
         return 0;
     }
-  }
-
-  int addToken(lws* wsi, void* in, std::size_t room) {
-    if (options_.token.empty()) return 0;
-    const std::string value = "Bearer " + options_.token;
-    auto** at = static_cast<unsigned char**>(in);
-    unsigned char* end = *at + room;
-    return lws_add_http_header_by_token(
-               wsi,
-               WSI_TOKEN_HTTP_AUTHORIZATION,
-               reinterpret_cast<const unsigned char*>(value.data()),
-               static_cast<int>(value.size()),
-               at,
-               end) == 0
-               ? 0
-               : -1;
   }
 
   int receive(lws* wsi, const void* in, std::size_t length) {

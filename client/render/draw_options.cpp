@@ -36,6 +36,13 @@ const ModeName& entryOf(DrawMode mode) {
 
 }  // namespace
 
+std::vector<DrawMode> allDrawModes() {
+  std::vector<DrawMode> modes;
+  for (const ModeName& entry : kModes)
+    modes.push_back(entry.mode);
+  return modes;
+}
+
 Result<DrawMode> parseDrawMode(std::string_view name) {
   std::string choices;
   for (const ModeName& entry : kModes) {

@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace limn {
 
@@ -33,6 +34,8 @@ enum class DrawMode {
   kClip,           // a hull, lit, cut to the silhouette [Sander00]
 };
 
+/// Every way to draw.
+[[nodiscard]] std::vector<DrawMode> allDrawModes();
 /// Errors: kInvalidArgument, naming the choices.
 [[nodiscard]] Result<DrawMode> parseDrawMode(std::string_view name);
 /// As parseDrawMode() reads it.

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/apps/view_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdlib>
+#include <utility>
+#include <vector>
+
+namespace limn {
+namespace {
+
+/// Where the desktop keeps what programs remember (XDG base directories).
+std::filesystem::path usualMemoryFile() {
+  const char* state = std::getenv("XDG_STATE_HOME");
+  if (state != nullptr && *state == '/') return std::filesystem::path(state) / "limn/view.json";
+  const char* home = std::getenv("HOME");
+  if (home == nullptr || *home == '\0') return {};
+  return std::filesystem::path(home) / ".local/state/limn/view.json";
+}
+
+}  // namespace
+
+void ViewFlags::addTo(CLI::App& app) {
+  ViewCommandOptions& o = options_;
+  constexpr char kSource[] = "Source (one of three)";
+  app.add_option("--server", o.source.serverUrl, "Server to stream from, ws://HOST:PORT")
+      ->group(kSource);
+  app.add_option("--model", o.source.model, "Model to begin with (the server's first)")
+      ->group(kSource);
+  app.add_option("--token-file", o.source.tokenFile, "File with the token that the server asks for")
+      ->group(kSource);
+  app.add_option("--ca-file", o.source.caFile, "Certificates (PEM) to trust for wss://")
+      ->group(kSource);
+  app.add_option("--asset", o.source.assetDirectory, "Directory of a prepared asset")
+      ->group(kSource);
+  app.add_option("--mesh", o.source.meshFile, "Mesh file, prepared into a temporary store")
+      ->group(kSource);
+  app.add_option("--quantization", o.source.quantizationBits, "Grid bits for --mesh")
+      ->check(CLI::Range(11, 18))
+      ->group(kSource);
+
+  app.add_option("--camera", camera_, "orbit:AZIMUTH,ELEVATION[,DISTANCE], degrees and radii");
+  app.add_option("--size", size_, "Window size (as last time)");
+  app.add_option("--error-px", o.errorPx, "Error bound of settled, pixels (1)")
+      ->check(CLI::Range(0.1, 64.0));
+  app.add_option("--memory", o.memoryMib, "MiB for the streamed mesh (no limit)")
+      ->check(CLI::Range(0, 1 << 20));
+
+  constexpr char kLook[] = "To begin with (all of it can be changed in the menus)";
+  app.add_option("--draw", o.chosen.draw, "As render's")->group(kLook);
+  app.add_option("--detector", o.chosen.detector, "As render's")->group(kLook);
+  app.add_option("--silhouette", o.chosen.silhouette, "smooth|edges")->group(kLook);
+  app.add_option("--style", o.chosen.style, "Texture set")->group(kLook);
+  app.add_option("--brush", o.chosen.brush, "none|charcoal|lazy|hand|rough")->group(kLook);
+  app.add_option("--hidden", o.chosen.hidden, "style|off|as-visible")->group(kLook);
+  app.add_option("--width", o.chosen.widthPx, "Stroke width, pixels")
+      ->check(CLI::Range(0.1, 50.0))
+      ->group(kLook);
+  app.add_option("--fov", o.chosen.fovDegrees, "Vertical angle of view, degrees")
+      ->check(CLI::Range(5.0, 120.0))
+      ->group(kLook);
+  app.add_flag("--ortho", o.chosen.orthographic, "Orthographic")->group(kLook);
+
+  app.add_option("--gl", gl_, "egl|osmesa: what pictures are drawn with");
+  app.add_option("--assets", assets_, "Folder of texture sets");
+  app.add_option("--save-to", o.saveFolder, "Folder for saved pictures (the present one)");
+  app.add_option("--remember", o.memoryFile, "File of what is remembered");
+  app.add_option("--report", o.report, "Report (JSON), written at the end");
+}
+
+Result<ViewCommandOptions> ViewFlags::parse() const {
+  ViewCommandOptions options = options_;
+  SourceOptions source = options.source;
+  // The catalogue names a model where the command line does not.
+  if (!source.serverUrl.empty() && source.model.empty()) source.model = "model";
+  if (auto ok = checkSource(source); !ok) return tl::unexpected(ok.error());
+  if (!camera_.empty()) {
+    const auto orbit = parseOrbit(camera_);
+    if (!orbit) return tl::unexpected(orbit.error());
+    options.orbit = *orbit;
+  }
+  if (!size_.empty()) {
+    const auto size = parseSize(size_);
+    if (!size) return tl::unexpected(size.error());
+    options.size = *size;
+  }
+  const auto gl = parseGlBackend(gl_);
+  if (!gl) return tl::unexpected(gl.error());
+  options.gl = *gl;
+  if (!assets_.empty()) options.assets = assets_;
+  if (options.memoryFile.empty()) options.memoryFile = usualMemoryFile();
+  if (auto ok = understand(chosenBy(options, {}), options); !ok) return tl::unexpected(ok.error());
+  return options;
+}
+
+ViewChoices chosenBy(const ViewCommandOptions& options, ViewChoices choices) {
+  const auto take = [](const auto& from, auto& to) {
+    if (from) to = *from;
+  };
+  const auto& chosen = options.chosen;
+  take(chosen.draw, choices.draw);
+  take(chosen.detector, choices.detector);
+  take(chosen.silhouette, choices.silhouette);
+  take(chosen.style, choices.style);
+  take(chosen.brush, choices.brush);
+  take(chosen.hidden, choices.hidden);
+  take(chosen.widthPx, choices.widthPx);
+  take(chosen.fovDegrees, choices.fovDegrees);
+  choices.orthographic = choices.orthographic || chosen.orthographic;
+  return choices;
+}
+
+Result<RenderCommandOptions> understand(
+    const ViewChoices& choices,
+    const ViewCommandOptions& options) {
+  // Any source and output: only the drawing flags are used.
+  std::vector<std::string> arguments = {"render", "--asset", ".", "--out", "view.png"};
+  const std::vector<std::string> flags = flagsOf(choices);
+  arguments.insert(arguments.end(), flags.begin(), flags.end());
+  auto line = parseCommandLine(arguments);
+  if (!line) return tl::unexpected(line.error());
+  RenderCommandOptions look = std::move(*line->render);
+  look.gl = options.gl;
+  look.assets = options.assets;
+  return look;
+}
+
+}  // namespace limn

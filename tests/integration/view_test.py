@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""limn-client view in a window of a virtual display, driven by keys and a pointer as a user would."""
+
+import contextlib
+import json
+import os
+import shutil
+import struct
+import subprocess
+import time
+import unittest
+import zlib
+
+from harness import BIN, DEADLINE_S, Case, Server, hills, torus, write_obj
+
+
+def wait_for(condition, what, seconds=DEADLINE_S):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if found := condition():
+            return found
+        time.sleep(0.05)
+    raise AssertionError("waited in vain: " + what)
+
+
+class Window:
+    """A virtual display with limn-client view on it."""
+
+    def __init__(self, folder, *arguments):
+        self.folder, self.arguments = folder, arguments
+
+    def __enter__(self):
+        # Xvfb chooses a free display and says which.
+        read, write = os.pipe()
+        self.display = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1000x800x24"],
+                                        pass_fds=[write], stderr=subprocess.DEVNULL)
+        os.close(write)
+        with os.fdopen(read) as numbers:
+            self.environment = dict(os.environ, DISPLAY=":" + numbers.readline().strip())
+        self.client = self.start()
+        return self
+
+    def start(self):
+        client = subprocess.Popen(
+            [str(BIN / "limn-client"), "view", *map(str, self.arguments), "--size", "800x600", "--save-to", self.folder,
+             "--remember", self.folder / "memory.json", "--report", self.folder / "report.json"],
+            env=self.environment, stderr=subprocess.PIPE, text=True)
+        self.window = wait_for(lambda: self.xdotool("search", "--name", "Limn"), "a window").split()[0]
+        return client
+
+    def __exit__(self, *_):
+        for process in (self.client, self.display):
+            with contextlib.suppress(ProcessLookupError):
+                process.kill()
+            process.wait()
+        self.client.stderr.close()
+
+    def xdotool(self, *arguments):
+        return subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, stdout=subprocess.PIPE,
+                              stderr=subprocess.DEVNULL, text=True, timeout=DEADLINE_S).stdout.strip()
+
+    def key(self, name):
+        # Held for longer than a frame: keys are looked at once a frame.
+        self.xdotool("keydown", name, "sleep", 0.3, "keyup", name, "sleep", 0.1)
+
+    def drag(self, button, dx, dy):
+        self.xdotool("mousemove", 600, 400, "mousedown", button, "sleep", 0.3, "mousemove_relative", "--sync", "--", dx, dy,
+                     "sleep", 0.3, "mouseup", button)
+
+    def picture(self, number, suffix=".png", model="one"):
+        """Asks for a picture by its key, waits for the file."""
+        path = self.folder / ("%s-%03d%s" % (model, number, suffix))
+        end = time.monotonic() + DEADLINE_S
+        while not path.exists() and time.monotonic() < end:  # before the first picture there is nothing to save
+            self.key("p" if suffix == ".png" else "v")
+            with contextlib.suppress(AssertionError):
+                wait_for(path.exists, path.name, 5)
+        return path.read_bytes()
+
+    def quit(self):
+        self.key("q")
+        assert self.client.wait(DEADLINE_S) == 0, self.client.stderr.read()
+        return json.loads((self.folder / "report.json").read_text())
+
+
+def ink(png):
+    """Share of dark pixels of an 8-bit RGBA PNG without filters, or with any: rows are unfiltered."""
+    width, height = struct.unpack(">II", png[16:24])
+    channels = {2: 3, 6: 4}[png[25]]
+    data, at = b"", 8
+    while at < len(png):
+        size, kind = struct.unpack(">I4s", png[at:at + 8])
+        data += png[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+        at += size + 12
+    raw, stride = zlib.decompress(data), width * channels
+    before, dark = bytearray(stride), 0
+    for y in range(height):
+        kind, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for i in range(stride):
+            a = row[i - channels] if i >= channels else 0
+            b = before[i]
+            c = before[i - channels] if i >= channels else 0
+            if kind == 4:
+                p = a + b - c
+                pa, pb, pc = abs(p - a), abs(p - b), abs(p - c)
+                predicted = a if pa <= pb and pa <= pc else b if pb <= pc else c
+            else:
+                predicted = (0, a, b, (a + b) // 2)[kind]
+            row[i] = (row[i] + predicted) & 255
+        dark += sum(1 for i in range(0, stride, channels) if row[i] < 128)
+        before = row
+    return dark / (width * height)
+
+
+@unittest.skipUnless(shutil.which("Xvfb") and shutil.which("xdotool"), "Xvfb and xdotool are not installed")
+class View(Case):
+
+    def test_a_server_is_browsed_turned_and_saved(self):
+        self.prepare_shape("one", torus(48, 24))
+        self.prepare_shape("two", hills(20, 20))
+        with Server(self.store) as server, Window(self.folder, "--server", server.url, "--model", "one") as window:
+            wait_for(lambda: "one" in window.xdotool("getwindowname", window.window), "the model")
+            first = window.picture(1)
+            self.assertEqual(struct.unpack(">II", first[16:24]), (800, 600))
+            self.assertGreater(ink(first), 0.001)
+            window.drag(1, 120, 40)
+            turned = window.picture(2)
+            self.assertNotEqual(turned, first)
+            window.drag(3, 60, 0)
+            slid = window.picture(3)
+            self.assertNotEqual(slid, turned)
+            window.xdotool("mousemove", 600, 400, "click", 4, "sleep", 0.2, "click", 4)
+            self.assertNotEqual(window.picture(4), slid)
+            window.key("h")
+            window.key("s")  # the next style
+            self.assertNotEqual(window.picture(5), first)
+            self.assertIn(b"<svg", window.picture(1, ".svg"))
+            window.key("n")
+            wait_for(lambda: "two" in window.xdotool("getwindowname", window.window), "the next model")
+            window.picture(1, model="two")
+            report = window.quit()
+            self.assertEqual(report["model"], "two")
+            self.assertEqual(len(report["saved"]), 7)
+            self.assertNotEqual(json.loads((self.folder / "memory.json").read_text())["style"], "pencil")
+
+    def test_a_lost_server_is_found_again(self):
+        self.prepare_shape("one", torus(48, 24))
+        with Server(self.store) as server, Window(self.folder, "--server", server.url) as window:
+            wait_for(lambda: "one" in window.xdotool("getwindowname", window.window), "the server's first model")
+            window.picture(1)
+            server.kill()
+            window.drag(1, 80, 0)  # still answers
+            window.picture(2)
+            server.start()
+            window.drag(1, 80, 0)
+            window.picture(3)
+            self.assertEqual(window.quit()["model"], "one")
+
+    def test_a_file_that_is_no_mesh_is_said_in_the_window(self):
+        (self.folder / "bad.obj").write_text("hello\n")
+        with Window(self.folder, "--mesh", self.folder / "bad.obj") as window:
+            self.assertEqual(window.quit()["pictures"], 0)
+
+    def test_a_mesh_file_is_shown(self):
+        mesh = write_obj(self.folder / "mesh.obj", torus(24, 12))
+        with Window(self.folder, "--mesh", mesh) as window:
+            wait_for(lambda: "mesh" in window.xdotool("getwindowname", window.window), "the mesh")
+            self.assertGreater(ink(window.picture(1, model="mesh")), 0.001)
+            window.quit()
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
