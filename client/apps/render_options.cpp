@@ -2,6 +2,7 @@
 #include "client/apps/render_options.h"
 
 #include "client/apps/detector_flags.h"
+#include "client/apps/source_flags.h"
 #include "client/apps/sweep_options.h"
 #include "client/apps/view_options.h"
 #include "client/net/server_url.h"
@@ -221,21 +222,7 @@ void addRender(CLI::App& app, RenderCommandOptions& o, RawFlags& raw) {
   const auto path = [&app](const char* flag, std::filesystem::path& target, const char* help) {
     return app.add_option(flag, target, help);
   };
-  app.add_option("--server", o.source.serverUrl, "Server to stream from, ws://HOST:PORT")
-      ->group("Source (one of three)");
-  app.add_option("--model", o.source.model, "Name of the model on the server")
-      ->group("Source (one of three)");
-  path("--token-file", o.source.tokenFile, "File with the token that the server asks for")
-      ->group("Source (one of three)");
-  path("--ca-file", o.source.caFile, "Certificates (PEM) to trust for wss://")
-      ->group("Source (one of three)");
-  path("--asset", o.source.assetDirectory, "Directory of a prepared asset")
-      ->group("Source (one of three)");
-  path("--mesh", o.source.meshFile, "Mesh file, prepared into a temporary store")
-      ->group("Source (one of three)");
-  app.add_option("--quantization", o.source.quantizationBits, "Grid bits for --mesh")
-      ->check(CLI::Range(11, 18))
-      ->group("Source (one of three)");
+  addSourceFlags(app, o.source);
 
   app.add_option("--camera", raw.camera, "orbit:AZIMUTH,ELEVATION[,DISTANCE], degrees and radii");
   path("--camera-file", o.cameraFile, R"(JSON {"eye","target","up","fov","ortho"})");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/sweep_options.h"
 
+#include "client/apps/source_flags.h"
+
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
@@ -24,19 +26,13 @@ tl::unexpected<Error> wrong(const std::string& message) {
 
 void SweepFlags::addTo(CLI::App& app) {
   app.footer(kExamples);
-  constexpr char kSource[] = "Source (one of three)";
-  app.add_option("--server", server_.serverUrl, "Server to stream from, ws://HOST:PORT")
-      ->group(kSource);
-  app.add_option("--model", server_.model, "Name of the model on the server")->group(kSource);
-  app.add_option("--token-file", server_.tokenFile, "File with the token that the server asks for")
-      ->group(kSource);
-  app.add_option("--ca-file", server_.caFile, "Certificates (PEM) to trust for wss://")
-      ->group(kSource);
-  app.add_option("--asset", assets_, "Directories of prepared assets")->group(kSource);
-  app.add_option("--mesh", meshes_, "Mesh files, prepared into a temporary store")->group(kSource);
+  addServerFlags(app, server_);
+  app.add_option("--asset", assets_, "Directories of prepared assets")->group(kSourceGroup);
+  app.add_option("--mesh", meshes_, "Mesh files, prepared into a temporary store")
+      ->group(kSourceGroup);
   app.add_option("--quantization", quantizationBits_, "Grid bits for --mesh")
       ->check(CLI::Range(11, 18))
-      ->group(kSource);
+      ->group(kSourceGroup);
   app.add_option("--frames", options_.frames, "Frames once around the model (400)")
       ->check(CLI::Range(2U, 100'000U));
   app.add_option("--rounds", options_.rounds, "Sweeps; each frame's best time counts (1)")

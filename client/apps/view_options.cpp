@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/view_options.h"
 
+#include "client/apps/source_flags.h"
+
 #include <CLI/CLI.hpp>
 
 #include <cstdlib>
@@ -23,22 +25,7 @@ std::filesystem::path usualMemoryFile() {
 
 void ViewFlags::addTo(CLI::App& app) {
   ViewCommandOptions& o = options_;
-  constexpr char kSource[] = "Source (one of three)";
-  app.add_option("--server", o.source.serverUrl, "Server to stream from, ws://HOST:PORT")
-      ->group(kSource);
-  app.add_option("--model", o.source.model, "Model to begin with (the server's first)")
-      ->group(kSource);
-  app.add_option("--token-file", o.source.tokenFile, "File with the token that the server asks for")
-      ->group(kSource);
-  app.add_option("--ca-file", o.source.caFile, "Certificates (PEM) to trust for wss://")
-      ->group(kSource);
-  app.add_option("--asset", o.source.assetDirectory, "Directory of a prepared asset")
-      ->group(kSource);
-  app.add_option("--mesh", o.source.meshFile, "Mesh file, prepared into a temporary store")
-      ->group(kSource);
-  app.add_option("--quantization", o.source.quantizationBits, "Grid bits for --mesh")
-      ->check(CLI::Range(11, 18))
-      ->group(kSource);
+  addSourceFlags(app, o.source);
 
   app.add_option("--camera", camera_, "orbit:AZIMUTH,ELEVATION[,DISTANCE], degrees and radii");
   app.add_option("--size", size_, "Window size (as last time)");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/net/http_get.h"
 
-#include "client/net/bearer_token.h"
+#include "client/net/lws_client.h"
 
 #include <libwebsockets.h>
 
@@ -28,16 +28,7 @@ class Request {
     static const lws_protocols kProtocols[] = {
         {"http", &Request::callback, 0, 0, 0, nullptr, 0},
         {nullptr, nullptr, 0, 0, 0, nullptr, 0}};
-    lws_set_log_level(0, nullptr);
-    lws_context_creation_info info{};
-    info.port = CONTEXT_PORT_NO_LISTEN;
-    info.protocols = kProtocols;
-    info.user = this;
-    info.fd_limit_per_thread = 16;  // else lws sizes its tables by ulimit -n
-    if (server_.url.tls) {
-      info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
-      if (!server_.caFile.empty()) info.client_ssl_ca_filepath = server_.caFile.c_str();
-    }
+    const lws_context_creation_info info = clientContextInfo(server_, kProtocols, this);
     const std::unique_ptr<lws_context, decltype(&lws_context_destroy)> context(
         lws_create_context(&info),
         &lws_context_destroy);

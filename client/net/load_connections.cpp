@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/net/load_connections.h"
 
-#include "client/net/bearer_token.h"
+#include "client/net/lws_client.h"
 
 #include <libwebsockets.h>
 #include <sys/resource.h>

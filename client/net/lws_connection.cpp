@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/net/lws_connection.h"
 
-#include "client/net/bearer_token.h"
+#include "client/net/lws_client.h"
 
 #include "protocol/framing.h"
 #include "protocol/limits.h"
@@ -60,16 +60,7 @@ class LwsConnection final : public Connection {
     static const lws_protocols kProtocols[] = {
         {limits::kSubprotocol, &LwsConnection::callback, 0, kReceiveBufferBytes, 0, nullptr, 0},
         {nullptr, nullptr, 0, 0, 0, nullptr, 0}};
-    lws_set_log_level(0, nullptr);
-    lws_context_creation_info info{};
-    info.port = CONTEXT_PORT_NO_LISTEN;
-    info.protocols = kProtocols;
-    info.user = this;
-    info.fd_limit_per_thread = 16;  // else lws sizes its tables by ulimit -n
-    if (options_.url.tls) {
-      info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
-      if (!options_.caFile.empty()) info.client_ssl_ca_filepath = options_.caFile.c_str();
-    }
+    const lws_context_creation_info info = clientContextInfo(options_, kProtocols, this);
     lws_context* context = lws_create_context(&info);
     if (context == nullptr) return lost("cannot set up the network library");
     {
