@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/render_options.h"
 
+#include "client/apps/view_options.h"
+
 #include <gtest/gtest.h>
 
 namespace limn {
@@ -197,11 +199,27 @@ TEST(RenderOptions, ClippingTakesTheOutlineOfEdges) {
   EXPECT_EQ(parsed->render->contours, SessionMachine::Options::Contours::kServer);
 }
 
-TEST(RenderOptions, WhatComesLaterIsSaidSo) {
-  const auto parsed = parse("view --asset a");
-  ASSERT_FALSE(parsed);
-  EXPECT_EQ(parsed.error().code, ErrorCode::kUnsupported);
-  EXPECT_NE(parsed.error().message.find("is not in this release"), std::string::npos);
+TEST(ViewOptions, AreCheckedAsRendersAre) {
+  const auto parsed = parse("view --server ws://localhost:1 --style ink --width 3 --size 640x480");
+  ASSERT_TRUE(parsed.has_value()) << parsed.error().message;
+  ASSERT_NE(parsed->view, nullptr);
+  EXPECT_EQ(parsed->view->size->width, 640);
+  ViewChoices remembered;
+  remembered.detector = "brute";
+  const ViewChoices choices = chosenBy(*parsed->view, remembered);
+  EXPECT_EQ(choices.style, "ink");
+  EXPECT_EQ(choices.detector, "brute");
+  const auto look = understand(choices, *parsed->view);
+  ASSERT_TRUE(look.has_value());
+  EXPECT_EQ(look->detector, DetectorMethod::kBrute);
+  EXPECT_EQ(look->widthPx, 3.0);
+  for (const char* wrong :
+       {"view",
+        "view --asset a --mesh b",
+        "view --asset a --draw paint",
+        "view --asset a --size 3",
+        "view --asset a --gl glide"})
+    EXPECT_FALSE(parse(wrong).has_value()) << wrong;
 }
 
 TEST(RenderOptions, EveryWayToDrawIsParsed) {
