@@ -203,10 +203,9 @@ int run(int argc, char** argv) {
   }
   if (arguments.placement != "subset") {
     return usageError(
-        "--placement volume cannot be streamed split by split: survivors that move would send "
-        "every "
-        "position twice; use --placement subset (or leave it out), with --cost volume for the "
-        "smaller distances");
+        "--placement volume is not offered: survivors that move are sent twice, which costs as "
+        "much "
+        "as 30 % more faces; leave it out, and take --cost volume for the smaller distances");
   }
   if (!arguments.dumpMesh.empty() && arguments.inputs.size() != 1) {
     return usageError("--dump-mesh needs a single input");
