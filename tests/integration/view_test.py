@@ -78,8 +78,12 @@ class Window:
         return path.read_bytes()
 
     def quit(self):
-        self.key("q")
-        assert self.client.wait(DEADLINE_S) == 0, self.client.stderr.read()
+        end = time.monotonic() + DEADLINE_S
+        while self.client.poll() is None and time.monotonic() < end:  # a window that is just opening hears no key yet
+            self.key("q")
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self.client.wait(2)
+        assert self.client.poll() == 0, self.client.stderr.read() if self.client.poll() is not None else "does not quit"
         return json.loads((self.folder / "report.json").read_text())
 
 
