@@ -134,7 +134,8 @@ with open(sys.argv[2]) as f: report = json.load(f)
 if isinstance(prepared, list): prepared = prepared[0]
 mesh = prepared["mesh"]
 print("   prepared: %s faces, file %.2f MB, complete stream %.0f kB" % (
-    format(mesh["faces"], ","), os.path.getsize(sys.argv[3]) / 1e6, prepared["bytes"]["total"] / 1e3))
+    format(mesh["faces"], ","), os.path.getsize(sys.argv[3]) / 1e6,
+    sum(prepared["bytes"][part] for part in ("base", "level_blocks", "splits")) / 1e3))
 print("   settled with %s of %s splits: %.0f kB received, %.2f s after the start" % (
     format(report["mesh"]["splits_held"], ","), format(report["mesh"]["splits_total"], ","),
     report["bytes"]["received"] / 1e3, report["seconds"]["settled"] or 0))
