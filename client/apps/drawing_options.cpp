@@ -3,6 +3,11 @@
 
 namespace limn {
 
+protocol::Silhouette wantedSilhouette(const RenderCommandOptions& options) {
+  return options.silhouette == SilhouetteKind::kEdges ? protocol::Silhouette::kEdges
+                                                      : protocol::Silhouette::kSmooth;
+}
+
 LineFinderOptions lineOptionsOf(const RenderCommandOptions& options) {
   return {
       options.detector,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/dumps.h"
 
+#include "client/pose/camera_file.h"
+
 #include "shared/mesh/ply_writer.h"
 
 #include <nlohmann/json.hpp>
@@ -43,14 +45,10 @@ json cameraJson(const Camera& camera, const Viewport& viewport) {
     for (int column = 0; column < 4; ++column)
       matrix.push_back(clipFromWorld[column][row]);
   }
-  return {
-      {"eye", vectorJson(camera.eye)},
-      {"target", vectorJson(camera.target)},
-      {"up", vectorJson(camera.up)},
-      {"fov", camera.fovDegrees},
-      {"ortho", camera.orthographic},
-      {"size", {viewport.width, viewport.height}},
-      {"view_projection", matrix}};
+  json result = json::parse(cameraFileJson(camera));
+  result["size"] = {viewport.width, viewport.height};
+  result["view_projection"] = matrix;
+  return result;
 }
 
 }  // namespace

@@ -72,8 +72,7 @@ viewOf(const RenderCommandOptions& options, const StopCondition& until, const Ca
   view.camera = camera;
   view.viewport = options.viewport;
   view.errorPx = static_cast<float>(options.errorPx);
-  view.silhouette = options.silhouette == SilhouetteKind::kEdges ? protocol::Silhouette::kEdges
-                                                                 : protocol::Silhouette::kSmooth;
+  view.silhouette = wantedSilhouette(options);
   view.goal = goalOf(until);
   return view;
 }

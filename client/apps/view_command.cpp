@@ -2,10 +2,12 @@
 #include "client/apps/view_command.h"
 
 #include "client/apps/catalogue_watch.h"
+#include "client/apps/drawing_options.h"
 #include "client/apps/interrupt.h"
 #include "client/apps/output_file.h"
 #include "client/apps/picture_thread.h"
 #include "client/apps/viewed_model.h"
+#include "client/pose/camera_file.h"
 #include "client/render/assets.h"
 #include "client/view/detail.h"
 #include "client/view/menus.h"
@@ -51,17 +53,6 @@ freeName(const std::filesystem::path& folder, const std::string& model, const ch
     std::error_code error;
     if (!std::filesystem::exists(path, error)) return path;
   }
-}
-
-std::string cameraJson(const Camera& camera) {
-  const auto vector = [](const glm::dvec3& v) { return nlohmann::json{v.x, v.y, v.z}; };
-  const nlohmann::ordered_json json = {
-      {"eye", vector(camera.eye)},
-      {"target", vector(camera.target)},
-      {"up", vector(camera.up)},
-      {"fov", camera.fovDegrees},
-      {"ortho", camera.orthographic}};
-  return json.dump() + "\n";
 }
 
 std::string quoted(const std::string& word) {
@@ -267,7 +258,7 @@ class Viewer {
   void copyCommand() {
     if (!controls_) return;
     const std::filesystem::path file = options_.saveFolder / (model_.name() + "-camera.json");
-    if (auto written = writeOutputFile(file, cameraJson(controls_->camera())); !written)
+    if (auto written = writeOutputFile(file, cameraFileJson(controls_->camera()) + "\n"); !written)
       return say(written.error().message);
     const SourceOptions& source = options_.source;
     std::string command = "limn-client render";
@@ -332,8 +323,7 @@ class Viewer {
     view.camera = camera;
     view.viewport = size;
     view.errorPx = static_cast<float>(options_.errorPx);
-    view.silhouette = look_->silhouette == SilhouetteKind::kEdges ? protocol::Silhouette::kEdges
-                                                                  : protocol::Silhouette::kSmooth;
+    view.silhouette = wantedSilhouette(*look_);
     model_.setView(view);
     ordered_ = order;
     pictures_.order(std::move(order));

@@ -45,6 +45,17 @@ Result<glm::dvec3> readVector(const json& object, const char* name, const glm::d
 
 }  // namespace
 
+std::string cameraFileJson(const Camera& camera) {
+  const auto vector = [](const glm::dvec3& v) { return json{v.x, v.y, v.z}; };
+  const nlohmann::ordered_json object = {
+      {"eye", vector(camera.eye)},
+      {"target", vector(camera.target)},
+      {"up", vector(camera.up)},
+      {"fov", camera.fovDegrees},
+      {"ortho", camera.orthographic}};
+  return object.dump();
+}
+
 Result<Camera> parseCamera(std::string_view text) {
   const json object = json::parse(text.begin(), text.end(), nullptr, false);
   if (!object.is_object()) return bad("is no JSON object");

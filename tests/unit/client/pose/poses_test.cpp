@@ -92,5 +92,17 @@ TEST(OrbitPath, GoesOnceAroundAndFitsTheModel) {
   }
 }
 
+TEST(CameraFile, ComesBackAsItWasWritten) {
+  Camera camera = orbitCamera({{0.1, -2.0, 3.7}, 1.3}, 33.3, -71.0, 2.2, 27.5);
+  camera.orthographic = true;
+  const auto back = parseCamera(cameraFileJson(camera));
+  ASSERT_TRUE(back.has_value()) << back.error().message;
+  EXPECT_EQ(back->eye, camera.eye);
+  EXPECT_EQ(back->target, camera.target);
+  EXPECT_EQ(back->up, camera.up);
+  EXPECT_EQ(back->fovDegrees, camera.fovDegrees);
+  EXPECT_TRUE(back->orthographic);
+}
+
 }  // namespace
 }  // namespace limn

@@ -23,16 +23,6 @@ constexpr DrawMode kModes[] = {
     DrawMode::kBackCharcoal};
 constexpr int kSize = 256;
 
-RenderOptions optionsOf(DrawMode mode) {
-  RenderOptions options;
-  options.viewport = {kSize, kSize};
-  options.draw = mode;
-  options.style = "technical";
-  options.lineColor = glm::vec3(0.0F);
-  options.paper = glm::vec3(1.0F);
-  return options;
-}
-
 /// A sphere's outline seen from D radii: its angle has sine 1/D. Pixels from the picture's centre.
 double outlineRadius() {
   return 0.5 * kSize * std::tan(std::asin(1.0 / 3.0)) / std::tan(glm::radians(20.0));
@@ -90,7 +80,7 @@ TEST_P(BackFacesOn, EveryWayDrawsASpheresOutlineWithoutGapsOrStrays) {
   const MeshSnapshot sphere = snapshotOf(primitives::icosphere(5));
   const Camera camera = orbitCamera(sphere.model.sphere, 25, 35);
   for (const DrawMode mode : kModes) {
-    const auto frame = renderer->render(sphere, {}, camera, optionsOf(mode));
+    const auto frame = renderer->render(sphere, {}, camera, blackOnWhite(kSize, mode));
     ASSERT_TRUE(frame) << nameOf(mode) << ": " << frame.error().message;
     EXPECT_EQ(gaps(frame->image), 0) << nameOf(mode);
     // Charcoal shades the front, darker towards the outline.
@@ -108,12 +98,12 @@ TEST_P(BackFacesOn, WindingsDoNotMatterWhereTheFirstLayerIsFoundByNumbers) {
   const Camera camera = orbitCamera(soup.model.sphere, 25, 35);
   for (const DrawMode mode : kModes) {
     if (mode == DrawMode::kBackCharcoal) continue;  // its greys need normals
-    const auto frame = renderer->render(soup, {}, camera, optionsOf(mode));
+    const auto frame = renderer->render(soup, {}, camera, blackOnWhite(kSize, mode));
     ASSERT_TRUE(frame) << nameOf(mode) << ": " << frame.error().message;
     EXPECT_LE(gaps(frame->image), 3) << nameOf(mode);
     EXPECT_EQ(strays(frame->image, 6.0), 0) << nameOf(mode);
     // By winding, half of the front would be taken for back faces.
-    RenderOptions byWinding = optionsOf(mode);
+    RenderOptions byWinding = blackOnWhite(kSize, mode);
     byWinding.firstLayer = FirstLayer::kWinding;
     const auto wrong = renderer->render(soup, {}, camera, byWinding);
     ASSERT_TRUE(wrong);
@@ -127,7 +117,7 @@ TEST_P(BackFacesOn, FattenedLinesAreAsWideAsAsked) {
   const MeshSnapshot sphere = snapshotOf(primitives::icosphere(5));
   const Camera camera = orbitCamera(sphere.model.sphere, 25, 35, 4.0);
   for (const double width : {2.0, 5.0, 9.0}) {
-    RenderOptions options = optionsOf(DrawMode::kBackFatten);
+    RenderOptions options = blackOnWhite(kSize, DrawMode::kBackFatten);
     options.widthPx = width;
     const auto frame = renderer->render(sphere, {}, camera, options);
     ASSERT_TRUE(frame) << frame.error().message;
@@ -144,7 +134,7 @@ TEST_P(BackFacesOn, LinesTakeTheirColourAndPaleWithDistance) {
   const MeshSnapshot torus = snapshotOf(primitives::torus(96, 48));
   // It stands upright; from below, its upper side is farther away.
   const Camera camera = orbitCamera(torus.model.sphere, 0, -40);
-  RenderOptions options = optionsOf(DrawMode::kBackFatten);
+  RenderOptions options = blackOnWhite(kSize, DrawMode::kBackFatten);
   options.lineColor = glm::vec3(1.0F, 0.0F, 0.0F);
   options.lineFade = 1.0;
   const auto frame = renderer->render(torus, {}, camera, options);
@@ -169,7 +159,7 @@ TEST_P(BackFacesOn, AnOrthographicCameraSeesTheOutlineToo) {
   camera.orthographic = true;
   const double radius = 0.5 * kSize / (3.0 * std::tan(glm::radians(20.0)));
   for (const DrawMode mode : kModes) {
-    const auto frame = renderer->render(sphere, {}, camera, optionsOf(mode));
+    const auto frame = renderer->render(sphere, {}, camera, blackOnWhite(kSize, mode));
     ASSERT_TRUE(frame) << nameOf(mode) << ": " << frame.error().message;
     int darkest = 0;
     for (double r = radius - 2.0; r <= radius + 2.0; r += 0.5) {
@@ -189,8 +179,8 @@ TEST_P(BackFacesOn, FromInsideAndOfNothingTheyDrawSomething) {
   MeshSnapshot nothing;
   nothing.revision = 9;
   for (const DrawMode mode : kModes) {
-    EXPECT_TRUE(renderer->render(sphere, {}, inside, optionsOf(mode))) << nameOf(mode);
-    EXPECT_TRUE(renderer->render(nothing, {}, inside, optionsOf(mode))) << nameOf(mode);
+    EXPECT_TRUE(renderer->render(sphere, {}, inside, blackOnWhite(kSize, mode))) << nameOf(mode);
+    EXPECT_TRUE(renderer->render(nothing, {}, inside, blackOnWhite(kSize, mode))) << nameOf(mode);
   }
 }
 

@@ -33,6 +33,17 @@ inline MeshSnapshot snapshotOf(const TriangleMesh& shape) {
   return snapshot;
 }
 
+/// Black lines on white paper, drawn that way, so that dark pixels are lines.
+inline RenderOptions blackOnWhite(int size, DrawMode mode) {
+  RenderOptions options;
+  options.viewport = {size, size};
+  options.draw = mode;
+  options.style = "technical";
+  options.lineColor = glm::vec3(0.0F);
+  options.paper = glm::vec3(1.0F);
+  return options;
+}
+
 inline PolylineSet
 silhouetteOf(const MeshSnapshot& snapshot, const Camera& camera, SilhouetteKind kind) {
   const SilhouetteField field(snapshot.mesh.mesh(), snapshot.mesh.positions(), kind);

@@ -18,16 +18,6 @@ constexpr DrawMode kModes[] = {
     DrawMode::kImageEdges};
 constexpr int kSize = 256;
 
-RenderOptions optionsOf(DrawMode mode) {
-  RenderOptions options;
-  options.viewport = {kSize, kSize};
-  options.draw = mode;
-  options.style = "technical";
-  options.lineColor = glm::vec3(0.0F);
-  options.paper = glm::vec3(1.0F);
-  return options;
-}
-
 /// Ink of a row of pixels, in pixels.
 double inkOfRow(const Image& image, int y, int from, int to) {
   double ink = 0.0;
@@ -72,7 +62,7 @@ TEST_P(ShaderLinesOn, ASpheresOutlineIsOneLineOfTheWidthAskedFor) {
   const double radius = 0.5 * kSize * std::tan(std::asin(1.0 / 4.0)) / std::tan(glm::radians(20.0));
   for (const DrawMode mode : kModes) {
     for (const double width : {2.0, 6.0}) {
-      RenderOptions options = optionsOf(mode);
+      RenderOptions options = blackOnWhite(kSize, mode);
       options.widthPx = width;
       const auto frame = renderer->render(sphere, {}, camera, options);
       ASSERT_TRUE(frame) << nameOf(mode) << ": " << frame.error().message;
@@ -91,7 +81,7 @@ TEST_P(ShaderLinesOn, OnlyImageEdgesKnowTheCreasesOfACube) {
   const Camera camera = orbitCamera(cube.model.sphere, 30, 20);
   const PolylineSet edges = boxEdges(cube);
   for (const DrawMode mode : kModes) {
-    const auto frame = renderer->render(cube, {}, camera, optionsOf(mode));
+    const auto frame = renderer->render(cube, {}, camera, blackOnWhite(kSize, mode));
     ASSERT_TRUE(frame) << nameOf(mode) << ": " << frame.error().message;
     int drawn = 0;
     for (const PolylineSet::Line& line : edges.lines) {
@@ -118,7 +108,7 @@ TEST_P(ShaderLinesOn, GeometryShaderAndFallbackDrawTheSame) {
   for (const MeshSnapshot& snapshot : {bumpy, hills}) {
     const Camera camera = orbitCamera(snapshot.model.sphere, 40, 25);
     for (const bool hasLight : {false, true}) {
-      RenderOptions options = optionsOf(DrawMode::kGeometryShader);
+      RenderOptions options = blackOnWhite(kSize, DrawMode::kGeometryShader);
       if (hasLight) options.light = camera.eye + 3.0 * snapshot.model.sphere.radius * camera.up;
       const auto a = renderer->render(snapshot, {}, camera, options);
       options.draw = DrawMode::kConditionalLines;
@@ -140,7 +130,7 @@ TEST_P(ShaderLinesOn, ALightsSilhouetteIsWhereItsRaysTouch) {
   const BoundingSphere& model = sphere.model.sphere;
   const Camera camera = orbitCamera(model, 0, 0);
   // From straight above, far away: the equator, a horizontal line through the picture's middle.
-  RenderOptions options = optionsOf(DrawMode::kGeometryShader);
+  RenderOptions options = blackOnWhite(kSize, DrawMode::kGeometryShader);
   options.light = model.center + glm::dvec3(0.0, 1000.0 * model.radius, 0.0);
   options.lineColor = glm::vec3(1.0F, 0.0F, 0.0F);
   const auto frame = renderer->render(sphere, {}, camera, options);
@@ -164,7 +154,7 @@ TEST_P(ShaderLinesOn, BordersAreLines) {
   grid.model.closed = false;
   const Camera camera = orbitCamera(grid.model.sphere, 0, 60);
   for (const DrawMode mode : kModes) {
-    const auto frame = renderer->render(grid, {}, camera, optionsOf(mode));
+    const auto frame = renderer->render(grid, {}, camera, blackOnWhite(kSize, mode));
     ASSERT_TRUE(frame) << nameOf(mode) << ": " << frame.error().message;
     const HalfEdgeMesh& mesh = grid.mesh.mesh();
     int missing = 0;
@@ -188,9 +178,9 @@ TEST_P(ShaderLinesOn, AnyViewOfAnyMeshIsDrawn) {
   MeshSnapshot nothing;
   nothing.revision = 9;
   for (const DrawMode mode : kModes) {
-    EXPECT_TRUE(renderer->render(sphere, {}, inside, optionsOf(mode))) << nameOf(mode);
-    EXPECT_TRUE(renderer->render(nothing, {}, inside, optionsOf(mode))) << nameOf(mode);
-    const auto frame = renderer->render(sphere, {}, flat, optionsOf(mode));
+    EXPECT_TRUE(renderer->render(sphere, {}, inside, blackOnWhite(kSize, mode))) << nameOf(mode);
+    EXPECT_TRUE(renderer->render(nothing, {}, inside, blackOnWhite(kSize, mode))) << nameOf(mode);
+    const auto frame = renderer->render(sphere, {}, flat, blackOnWhite(kSize, mode));
     ASSERT_TRUE(frame) << nameOf(mode);
     EXPECT_GT(totalInk(frame->image), 500.0) << nameOf(mode);
   }
