@@ -188,5 +188,28 @@ TEST(PixelPoints, DistanceIsWhatComparingWithEveryPointSays) {
   }
 }
 
+// What a client may say of its camera, and rounding to pixels cannot represent.
+TEST(VisibleContour, OfAbsurdViewsIsFinite) {
+  const Scene scene(primitives::bumpySphere(3, 3));
+  for (const SilhouetteKind kind : {SilhouetteKind::kEdges, SilhouetteKind::kSmooth}) {
+    const SilhouetteField field(scene.mesh, scene.shape.positions, kind);
+    for (const bool orthographic : {false, true}) {
+      for (const double factor : {1e-300, 1e-30, 1e30, 1e300}) {
+        PictureView picture = frontOf(scene.shape, orthographic);
+        picture.pixelsPerUnit *= factor;
+        PictureView far = frontOf(scene.shape, orthographic);
+        far.eye *= factor;
+        for (const PictureView& view : {picture, far}) {
+          VisibleContourFinder finder;
+          for (const ContourPoint& point : finder.find(field, view, 0.1)) {
+            EXPECT_TRUE(std::isfinite(point.px.x) && std::isfinite(point.px.y));
+            EXPECT_TRUE(std::isfinite(point.lengthPx));
+          }
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace limn
