@@ -90,13 +90,19 @@ void normalsAround(const ActiveMesh& active, Slot slot, std::vector<glm::dvec3>&
 
 }  // namespace
 
-std::uint32_t
-splitsThatFit(std::uint64_t bytes, std::uint32_t baseVertices, std::uint32_t vertices) {
+std::uint32_t splitsThatFit(
+    std::uint64_t bytes,
+    std::uint32_t baseVertices,
+    std::uint32_t vertices,
+    std::uint8_t attributeKinds) {
+  // Seams are bits that every half-edge has anyway.
+  const std::uint64_t perVertex =
+      kBytesPerVertex + ((attributeKinds & kAttributeColors) != 0 ? sizeof(SrgbColor) : 0) +
+      ((attributeKinds & kAttributeNormals) != 0 ? sizeof(OctNormal) : 0);
   const std::uint64_t copy = bytes / kCopies;
-  const std::uint64_t fixed =
-      kBytesPerPage * (vertices / 1024 + 1) + kBytesPerVertex * baseVertices;
+  const std::uint64_t fixed = kBytesPerPage * (vertices / 1024 + 1) + perVertex * baseVertices;
   if (copy <= fixed) return 0;
-  const std::uint64_t splits = (copy - fixed) / kBytesPerVertex;
+  const std::uint64_t splits = (copy - fixed) / perVertex;
   if (splits < std::min<std::uint64_t>(kUsefulSplits, vertices - baseVertices)) return 0;
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(splits, vertices));
 }

@@ -17,8 +17,11 @@ namespace limn {
 
 /// How many splits of a model fit into `bytes` of a client's memory: the mesh that is decoded into,
 /// the snapshot that is drawn, and the next one while it is made. 0: not even a useful beginning.
-[[nodiscard]] std::uint32_t
-splitsThatFit(std::uint64_t bytes, std::uint32_t baseVertices, std::uint32_t vertices);
+[[nodiscard]] std::uint32_t splitsThatFit(
+    std::uint64_t bytes,
+    std::uint32_t baseVertices,
+    std::uint32_t vertices,
+    std::uint8_t attributeKinds);
 
 /// Which splits a client needs least. A client knows no error bounds; it judges by what it draws: a
 /// vertex is *used* by a view when it is in the frame and a silhouette passes its faces, or nearly

@@ -28,20 +28,15 @@ SectionBytes measureSection(const std::string& name, std::span<const std::uint8_
 }
 
 // In runs as preparation makes them: probabilities begin anew with each.
-SplitBits measureLevel(const Model& model, const LevelFronts& fronts, std::uint32_t level) {
-  SplitBits bits;
-  if (level == 0) return bits;
+void measureSplits(const Model& model, const LevelFronts& fronts, LevelBytes& level) {
+  if (level.level == 0) return;
   const SplitForest& forest = model.forest();
-  const VertexId end = forest.levelBegin[level + 1];
-  for (VertexId begin = forest.levelBegin[level]; begin < end; begin += kLevelRunSplits) {
-    bits += measureLevelRun(
-        forest,
-        model.splitModel(),
-        fronts,
-        begin,
-        std::min(begin + kLevelRunSplits, end));
+  const VertexId last = forest.levelBegin[level.level + 1];
+  for (VertexId begin = forest.levelBegin[level.level]; begin < last; begin += kLevelRunSplits) {
+    const VertexId end = std::min(begin + kLevelRunSplits, last);
+    level.bits += measureLevelRun(forest, model.splitModel(), fronts, begin, end);
+    if (forest.attributeKinds() != 0) level.attributes += measureAttributes(forest, begin, end);
   }
-  return bits;
 }
 
 }  // namespace
@@ -74,13 +69,13 @@ Result<ByteAccount> accountBytes(const Asset& asset, const Model& model) {
     for (const char* key : {"vertices", "faces", "bytes", "error"}) {
       if (!entry.is_object() || !entry.contains(key) || !entry[key].is_number()) return corrupt();
     }
-    account.levels.push_back(
-        {.level = level,
-         .vertices = entry["vertices"].get<std::uint32_t>(),
-         .faces = entry["faces"].get<std::uint32_t>(),
-         .bytes = entry["bytes"].get<std::uint64_t>(),
-         .rmsError = entry["error"].get<double>(),
-         .bits = measureLevel(model, fronts, level)});
+    LevelBytes& bytes = account.levels.emplace_back();
+    bytes.level = level;
+    bytes.vertices = entry["vertices"].get<std::uint32_t>();
+    bytes.faces = entry["faces"].get<std::uint32_t>();
+    bytes.bytes = entry["bytes"].get<std::uint64_t>();
+    bytes.rmsError = entry["error"].get<double>();
+    measureSplits(model, fronts, bytes);
   }
   return account;
 }

@@ -4,6 +4,7 @@
 #include "server/session/model.h"
 #include "server/store/asset_store.h"
 
+#include "shared/codec/attribute_codec.h"
 #include "shared/codec/split_codec.h"
 #include "shared/core/result.h"
 
@@ -29,6 +30,7 @@ struct LevelBytes {
   std::uint64_t bytes = 0;  // frame headers included
   double rmsError = 0.0;    // to the full mesh, model units
   SplitBits bits;           // of its splits, what they hold by kind of symbol
+  AttributeBits attributes;
 };
 
 /// Where the bytes of an asset go.

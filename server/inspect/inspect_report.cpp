@@ -28,7 +28,7 @@ double per(double part, std::uint64_t whole) {
 std::string levelLine(const char* name, const LevelBytes& level, std::uint64_t splits) {
   const SplitBits& bits = level.bits;
   return formatted(
-      "%-6s %9u %9u %10llu %8.2f %8.2f %8.2f %8.2f %8.2f\n",
+      "%-6s %9u %9u %10llu %8.2f %8.2f %8.2f %8.2f %9.2f %10.2f\n",
       name,
       level.vertices,
       level.faces,
@@ -37,7 +37,8 @@ std::string levelLine(const char* name, const LevelBytes& level, std::uint64_t s
       per(bits.names, splits),
       per(bits.cuts, splits),
       per(bits.features, splits),
-      per(bits.positions, splits));
+      per(bits.positions, splits),
+      per(level.attributes.total(), splits));
 }
 
 Json pointsJson(const std::vector<RatePoint>& points) {
@@ -105,7 +106,9 @@ std::string byteTable(const Model& model, const ByteAccount& account) {
   text += formatted("all on the wire       %10llu\n\n", static_cast<unsigned long long>(wire));
 
   text += "                                       bits a split, of which\n";
-  text += "level   vertices     faces      bytes      all    names     cuts features positions\n";
+  text +=
+      "level   vertices     faces      bytes      all    names     cuts features positions "
+      "attributes\n";
   LevelBytes all;
   std::uint64_t splits = 0;
   for (std::size_t i = 0; i < account.levels.size(); ++i) {
@@ -118,6 +121,7 @@ std::string byteTable(const Model& model, const ByteAccount& account) {
     all.faces = level.faces;
     all.bytes += level.bytes;
     all.bits += level.bits;
+    all.attributes += level.attributes;
   }
   return text + levelLine("splits", all, splits);
 }
@@ -169,7 +173,10 @@ inspectJson(const Model& model, const ByteAccount& account, const RateDistortion
           {{"names", level.bits.names},
            {"cuts", level.bits.cuts},
            {"features", level.bits.features},
-           {"positions", level.bits.positions}}}});
+           {"positions", level.bits.positions},
+           {"colors", level.attributes.colors},
+           {"normals", level.attributes.normals},
+           {"seams", level.attributes.seams}}}});
   }
   json["rates"] = nullptr;
   if (rates != nullptr) {

@@ -3,7 +3,6 @@
 
 #include "protocol/limits.h"
 
-#include "shared/codec/attribute_codec.h"
 #include "shared/codec/id_set.h"
 
 #include <algorithm>
@@ -568,14 +567,12 @@ OutMessage Channel::packetOf(const Model::Run& run) {
 }
 
 OutMessage Channel::packetOf(const std::vector<VertexId>& ids) {
-  const auto splits = model_->packets().packet(ids);
-  const std::vector<std::uint8_t> attributes = encodeAttributes(model_->forest(), ids);
+  const auto coded = model_->packets().packet(ids);
   for (const VertexId v : ids)
     have_.add(v);
-  const double measured =
-      static_cast<double>(splits->size() + attributes.size()) / static_cast<double>(ids.size());
+  const double measured = static_cast<double>(coded->bytes()) / static_cast<double>(ids.size());
   bytesPerSplit_ = std::max(0.25, 0.5 * (bytesPerSplit_ + measured));
-  return packetOf(protocol::Bytes(*splits), attributes);
+  return packetOf(coded->splits, coded->attributes);
 }
 
 OutMessage Channel::packetOf(protocol::Bytes splits, protocol::Bytes attributes) const {

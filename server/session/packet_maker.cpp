@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/packet_maker.h"
 
+#include "shared/codec/attribute_codec.h"
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -20,11 +22,11 @@ std::uint64_t hashOf(std::span<const VertexId> ids) {
 }  // namespace
 
 PacketMaker::PacketMaker(const SplitForest& forest, const SplitModel& model, std::size_t cacheBytes)
-    : cacheBytes_(cacheBytes),
+    : forest_(forest),
+      cacheBytes_(cacheBytes),
       encoder_(forest, model) {}
 
-std::shared_ptr<const std::vector<std::uint8_t>> PacketMaker::packet(
-    std::span<const VertexId> ids) {
+std::shared_ptr<const CodedSplits> PacketMaker::packet(std::span<const VertexId> ids) {
   const std::uint64_t hash = cacheBytes_ == 0 ? 0 : hashOf(ids);
   const std::lock_guard lock(mutex_);
   // Known by all of its ids: two sets with one hash never share a packet.
@@ -34,7 +36,8 @@ std::shared_ptr<const std::vector<std::uint8_t>> PacketMaker::packet(
     ++hits_;
     return found->second->packet;
   }
-  auto packet = std::make_shared<const std::vector<std::uint8_t>>(encoder_.encode(ids));
+  auto packet =
+      std::make_shared<const CodedSplits>(encoder_.encode(ids), encodeAttributes(forest_, ids));
   if (cacheBytes_ > 0) keep({hash, {ids.begin(), ids.end()}, packet});
   return packet;
 }

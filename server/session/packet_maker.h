@@ -14,6 +14,16 @@
 
 namespace limn {
 
+/// What a Packet message carries.
+struct CodedSplits {
+  std::vector<std::uint8_t> splits;
+  std::vector<std::uint8_t> attributes;  // empty: the model has none
+
+  [[nodiscard]] std::size_t bytes() const { return splits.size() + attributes.size(); }
+
+  friend bool operator==(const CodedSplits&, const CodedSplits&) = default;
+};
+
 /// Makes the splits of Packet messages for all sessions of one model. What a split is coded as is
 /// found once and kept; packets are kept too, least recently used forgotten first, so that clients
 /// who lack the same splits, a crowd that comes to the same view, share theirs. Safe to use from
@@ -26,9 +36,9 @@ class PacketMaker {
       const SplitModel& model,
       std::size_t cacheBytes = kCacheBytes);
 
-  /// encodeSplits(forest, model, ids), perhaps made before. Never null.
-  [[nodiscard]] std::shared_ptr<const std::vector<std::uint8_t>> packet(
-      std::span<const VertexId> ids);
+  /// encodeSplits(forest, model, ids) and encodeAttributes(forest, ids), perhaps made before. Never
+  /// null.
+  [[nodiscard]] std::shared_ptr<const CodedSplits> packet(std::span<const VertexId> ids);
 
   [[nodiscard]] std::size_t bytes() const;
 
@@ -40,15 +50,17 @@ class PacketMaker {
   struct Entry {
     std::uint64_t hash = 0;
     std::vector<VertexId> ids;
-    std::shared_ptr<const std::vector<std::uint8_t>> packet;
+    std::shared_ptr<const CodedSplits> packet;
 
     [[nodiscard]] std::size_t bytes() const {
-      return sizeof(Entry) + 64 + ids.capacity() * sizeof(VertexId) + packet->capacity();
+      return sizeof(Entry) + 64 + ids.capacity() * sizeof(VertexId) + packet->splits.capacity() +
+             packet->attributes.capacity();
     }
   };
 
   void keep(Entry entry);
 
+  const SplitForest& forest_;
   std::size_t cacheBytes_;
   mutable std::mutex mutex_;
   // Guarded by mutex_.

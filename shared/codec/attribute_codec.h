@@ -26,6 +26,27 @@ namespace limn {
 [[nodiscard]] std::vector<std::uint8_t>
 encodeAttributes(const SplitForest& forest, VertexId begin, VertexId end);
 
+/// What splits' attributes hold by kind, in bits (−Σ log₂ p).
+struct AttributeBits {
+  double colors = 0.0;
+  double normals = 0.0;
+  double seams = 0.0;
+
+  AttributeBits& operator+=(const AttributeBits& other) {
+    colors += other.colors;
+    normals += other.normals;
+    seams += other.seams;
+    return *this;
+  }
+
+  [[nodiscard]] double total() const { return colors + normals + seams; }
+};
+
+/// What encodeAttributes(forest, begin, end) spends its bytes on: total() / 8 of them, and at most
+/// 4 more for the coder's end.
+[[nodiscard]] AttributeBits
+measureAttributes(const SplitForest& forest, VertexId begin, VertexId end);
+
 /// Reads such a stream, split by split, while the run beside it is decoded.
 class AttributeReader {
  public:

@@ -153,6 +153,9 @@ class Bench:
             self.table.add("decode + apply, packets", name, speed["decode_view_splits_per_s"], None, 1e6, "/s",
                            better="higher")
             self.table.add("train + encode, faces", name, speed["encode_faces_per_s"], None, 1e5, "/s", better="higher")
+            if "attribute_bits_per_split" in speed:
+                self.table.add("attributes, bits a vertex", name, speed["attribute_bits_per_split"],
+                               speed["draco_attribute_bits_per_vertex"], None, "bit")
         for name in self.files:
             self.prepare(name)
         with harness.Server(self.store) as server:

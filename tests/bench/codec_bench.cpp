@@ -2,8 +2,8 @@
 //
 // The split codec on one core: bits a split in whole levels and in packets of a view, splits
 // decoded and applied a second, faces trained on and encoded a second, and what coding packets
-// costs a split: anew (encodeSplits), the first time (PacketEncoder), and from then on. One line of
-// JSON a mesh and grid.
+// costs a split: anew (encodeSplits), the first time (PacketEncoder), and from then on; and what
+// attributes cost, where a model has them. One line of JSON a mesh and grid.
 //   limn-codec-bench BITS MODEL-FILE...
 // Or the universal split model (shared/codec/default_model.h), the mean over meshes and grids:
 //   limn-codec-bench table MODEL-FILE...
@@ -11,6 +11,8 @@
 #include "server/preprocess/import/import.h"
 #include "server/preprocess/repair/repair.h"
 
+#include "shared/codec/attribute_codec.h"
+#include "shared/codec/draco_codec.h"
 #include "shared/codec/packet_encoder.h"
 #include "shared/codec/split_codec.h"
 
@@ -120,7 +122,7 @@ std::optional<BuiltForest> prepare(const char* file, int bits) {
   if (!imported) return std::nullopt;
   const auto repaired = repairMesh(*imported, {.quantizationBits = bits});
   if (!repaired) return std::nullopt;
-  auto built = buildForest(repaired->mesh, {});
+  auto built = buildForest(repaired->mesh, {}, repaired->seams);
   if (!built) return std::nullopt;
   return std::move(*built);
 }
@@ -186,6 +188,28 @@ bool printTable(std::span<char* const> files) {
   return true;
 }
 
+// What colours, normals and seams cost, by level; Draco's are what its file of the whole mesh grows
+// by (it has no seams).
+void printAttributes(const SplitForest& forest) {
+  double bytes = 0.0;
+  for (std::uint32_t level = 1; level < forest.levelCount(); ++level) {
+    const VertexId end = forest.levelBegin[level + 1];
+    for (VertexId v = forest.levelBegin[level]; v < end; v += kRunSplits)
+      bytes +=
+          static_cast<double>(encodeAttributes(forest, v, std::min(v + kRunSplits, end)).size());
+  }
+  TriangleMesh mesh{forest.grid, forest.positions, forest.triangles};
+  const auto bare = encodeDraco(mesh);
+  mesh.attributes = forest.attributes;
+  const auto whole = encodeDraco(mesh);
+  if (!bare || !whole) return;
+  const auto more = static_cast<double>(whole->bytes.size() - bare->bytes.size());
+  std::printf(
+      "\"attribute_bits_per_split\": %.3f, \"draco_attribute_bits_per_vertex\": %.3f, ",
+      8.0 * bytes / forest.splitCount(),
+      8.0 * more / forest.vertexCount());
+}
+
 bool benchMesh(const char* file, int bits) {
   const auto built = prepare(file, bits);
   if (!built) return false;
@@ -220,13 +244,14 @@ bool benchMesh(const char* file, int bits) {
   const double decodeLevels = secondsToDecode(forest, model, levels);
   const double decodePackets = secondsToDecode(forest, model, packets);
   if (decodeLevels < 0.0 || decodePackets < 0.0) return false;
+  std::printf("{\"mesh\": \"%s\", ", std::filesystem::path(file).stem().c_str());
+  if (forest.attributeKinds() != 0) printAttributes(forest);
   std::printf(
-      "{\"mesh\": \"%s\", \"bits\": %d, \"splits\": %u, \"model_bytes\": %zu, "
+      "\"bits\": %d, \"splits\": %u, \"model_bytes\": %zu, "
       "\"level_bits_per_split\": %.3f, \"view_splits\": %zu, \"view_bits_per_split\": %.3f, "
       "\"encode_faces_per_s\": %.0f, \"packet_ns_per_split\": [%.0f, %.0f, %.0f], "
       "\"decode_splits_per_s\": %.0f, "
       "\"decode_view_splits_per_s\": %.0f}\n",
-      std::filesystem::path(file).stem().c_str(),
       bits,
       forest.splitCount(),
       serializeSplitModel(model).size(),

@@ -5,7 +5,7 @@ import json
 import unittest
 import xml.etree.ElementTree
 
-from harness import Case, run, torus
+from harness import Case, run, torus, write_painted
 
 FRAME_AND_HEAD = 160  # of a message: WebSocket header, FlatBuffer, the run's head, the coder's end
 
@@ -33,6 +33,19 @@ class Inspect(Case):
             self.assertGreater(least, 0)
             self.assertGreaterEqual(level["bytes"], least)
             self.assertLess(level["bytes"], least + FRAME_AND_HEAD)
+
+    def test_attributes_are_accounted_for_by_kind(self):
+        shape = torus(48, 24, bump=0.1)
+        report, _ = self.prepare(write_painted(self.folder / "painted.ply", shape), "painted")
+        told = json.loads(self.inspect("painted", "--store", self.store, "--json"))
+        for level, wanted in zip(told["levels"][1:], report["levels"][1:]):
+            self.assertEqual(level["bytes"], wanted["bytes"])
+            self.assertGreater(level["bits"]["colors"], 0)
+            self.assertGreater(level["bits"]["normals"], 0)
+            least = sum(level["bits"].values()) / 8
+            self.assertGreaterEqual(level["bytes"], least)
+            self.assertLess(level["bytes"], least + FRAME_AND_HEAD)
+        self.assertIn("attributes", self.inspect("painted", "--store", self.store))
 
     def test_errors_come_down_with_bytes_and_end_at_none(self):
         plot = self.folder / "plot.svg"

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/packet_maker.h"
 
+#include "tests/property/decorated.h"
 #include "tests/unit/server/session/test_model.h"
 
+#include "shared/codec/attribute_codec.h"
 #include "shared/codec/split_codec.h"
 #include "shared/mesh/primitives.h"
 
@@ -23,13 +25,20 @@ std::vector<VertexId> some(const SplitForest& forest, std::uint32_t offset, std:
   return ids;
 }
 
+CodedSplits codedBy(const Model& model, const std::vector<VertexId>& ids) {
+  return {
+      encodeSplits(model.forest(), model.splitModel(), ids),
+      encodeAttributes(model.forest(), ids)};
+}
+
 TEST(PacketMaker, GivesEveryoneTheSamePacketOfTheSameSplits) {
-  const auto model = modelOf(primitives::icosphere(4));
+  const auto model = modelOf(decorated(primitives::icosphere(4), kAllAttributeKinds));
   const SplitForest& forest = model->forest();
   PacketMaker packets(forest, model->splitModel());
   const auto ids = some(forest, 0, 3);
   const auto first = packets.packet(ids);
-  EXPECT_EQ(*first, encodeSplits(forest, model->splitModel(), ids));
+  EXPECT_EQ(*first, codedBy(*model, ids));
+  EXPECT_FALSE(first->attributes.empty());
   EXPECT_EQ(packets.packet(ids), first);
   EXPECT_EQ(packets.hits(), 1U);
   EXPECT_NE(packets.packet(some(forest, 1, 3)), first);
@@ -62,7 +71,7 @@ TEST(PacketMaker, ServesSeveralThreads) {
   const auto check = [&](std::uint32_t first) {
     for (std::uint32_t offset = first; offset < 40; ++offset) {
       const auto ids = some(forest, offset, 11);
-      EXPECT_EQ(*packets.packet(ids), encodeSplits(forest, model->splitModel(), ids));
+      EXPECT_EQ(*packets.packet(ids), codedBy(*model, ids));
     }
   };
   std::thread other(check, 0);

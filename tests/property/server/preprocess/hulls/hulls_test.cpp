@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -123,8 +124,11 @@ TEST(ProgressiveHull, LevelsEncloseRealModels) {
   if (!corpus::modelsFolder()) GTEST_SKIP() << corpus::kNoModels;
   // LIMN_ALL_HULLS: every closed model, 100,000 points a level; minutes.
   if (std::getenv("LIMN_ALL_HULLS") != nullptr) {
-    for (const corpus::Mesh* mesh : corpus::closedMeshes(corpus::Size::kAll))
+    for (const corpus::Mesh* mesh : corpus::closedMeshes(corpus::Size::kAll)) {
+      std::printf("%s, %zu faces\n", mesh->name.c_str(), mesh->mesh.triangles.size());
+      std::fflush(stdout);
       expectNested(mesh->name, mesh->mesh, 100'000);
+    }
     return;
   }
   for (const char* name : {"block.off", "toybrick.stl"}) {
