@@ -2,7 +2,7 @@
 #pragma once
 
 #include "server/preprocess/hulls/hull_mesh.h"
-#include "server/preprocess/hulls/linear_program.h"
+#include "shared/core/linear_program.h"
 
 #include "shared/core/rng.h"
 

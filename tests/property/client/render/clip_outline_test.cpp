@@ -7,6 +7,7 @@
 #include "server/preprocess/maps/normal_map.h"
 #include "server/preprocess/maps/png.h"
 #include "tests/corpus/corpus.h"
+#include "tests/unit/client/render/outline_coverage.h"
 #include "tests/unit/client/render/scene_fixture.h"
 
 #include <gtest/gtest.h>
@@ -24,64 +25,6 @@ namespace {
 constexpr int kSize = 320;
 constexpr std::uint32_t kHullFaces = 500;
 
-/// How much of each pixel is covered, found by drawing on black and on white paper.
-std::vector<double> coverage(
-    Renderer& renderer,
-    const MeshSnapshot& snapshot,
-    const PolylineSet& lines,
-    const Camera& camera,
-    RenderOptions options) {
-  options.viewport = {kSize, kSize};
-  std::vector<double> result;
-  for (const float paper : {0.0F, 1.0F}) {
-    options.paper = glm::vec3(paper);
-    const auto frame = renderer.render(snapshot, lines, camera, options);
-    EXPECT_TRUE(frame) << frame.error().message;
-    if (!frame) return {};
-    result.resize(frame->image.rgba.size() / 4);
-    for (std::size_t i = 0; i < result.size(); ++i) {
-      const double value = frame->image.rgba[4 * i + 1] / 255.0;
-      result[i] = paper == 0.0F ? value : 1.0 - (value - result[i]);
-    }
-  }
-  return result;
-}
-
-struct Difference {
-  int leaks = 0;  // covered although the truth has nothing within a pixel
-  int holes = 0;  // not covered although all around is, within a pixel
-  double squares = 0.0;
-  int edgePixels = 0;
-
-  [[nodiscard]] double rmsGrey() const {
-    return 255.0 * std::sqrt(squares / std::max(edgePixels, 1));
-  }
-};
-
-void compare(const std::vector<double>& ours, const std::vector<double>& truth, Difference& d) {
-  const auto at = [&](int x, int y) { return static_cast<std::size_t>(y * kSize + x); };
-  for (int y = 1; y + 1 < kSize; ++y) {
-    for (int x = 1; x + 1 < kSize; ++x) {
-      double least = 1.0;
-      double most = 0.0;
-      for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-          least = std::min(least, truth[at(x + dx, y + dy)]);
-          most = std::max(most, truth[at(x + dx, y + dy)]);
-        }
-      }
-      const double t = truth[at(x, y)];
-      const double o = ours[at(x, y)];
-      if (most < 0.01 && o > 0.01) ++d.leaks;
-      if (least > 0.99 && o < 0.99) ++d.holes;
-      if (t > 0.01 && t < 0.99) {
-        d.squares += (o - t) * (o - t);
-        ++d.edgePixels;
-      }
-    }
-  }
-}
-
 MeshSnapshot withHull(const TriangleMesh& mesh) {
   MeshSnapshot snapshot = snapshotOf(mesh);
   const auto built = buildHull(mesh, HullSide::kOuter, {.baseFaces = 200});
@@ -90,8 +33,8 @@ MeshSnapshot withHull(const TriangleMesh& mesh) {
   return snapshot;
 }
 
-Difference differenceOf(Renderer& renderer, const MeshSnapshot& snapshot, int views) {
-  Difference difference;
+outline::Difference differenceOf(Renderer& renderer, const MeshSnapshot& snapshot, int views) {
+  outline::Difference difference;
   for (int view = 0; view < views; ++view) {
     const Camera camera = orbitCamera(
         snapshot.model.sphere,
@@ -100,16 +43,14 @@ Difference differenceOf(Renderer& renderer, const MeshSnapshot& snapshot, int vi
         view % 3 == 0 ? 2.2 : 4.0,
         40.0);
     RenderOptions clip;
+    clip.viewport = {kSize, kSize};
     clip.draw = DrawMode::kClip;
     clip.hullFaces = kHullFaces;
-    RenderOptions shaded;
-    shaded.draw = DrawMode::kShaded;
-    shaded.supersample = 4;
     const PolylineSet lines = silhouetteOf(snapshot, camera, SilhouetteKind::kEdges);
-    compare(
-        coverage(renderer, snapshot, lines, camera, clip),
-        coverage(renderer, snapshot, {}, camera, shaded),
-        difference);
+    const auto ours = outline::coverage(renderer, snapshot, lines, camera, clip);
+    const auto truth = outline::truth(renderer, snapshot, camera, kSize, 4);
+    EXPECT_TRUE(ours && truth);
+    if (ours && truth) outline::compare(*ours, *truth, kSize, difference);
   }
   return difference;
 }
@@ -119,7 +60,7 @@ class ClipOutline : public ::testing::Test {
   void check(const std::string& name, const TriangleMesh& mesh, int views) {
     if (!renderer_) renderer_ = makeRenderer(GlBackend::kOsmesa);
     ASSERT_TRUE(renderer_);
-    const Difference d = differenceOf(*renderer_, withHull(mesh), views);
+    const outline::Difference d = differenceOf(*renderer_, withHull(mesh), views);
     std::printf(
         "%s: %d leaks, %d holes, outline %.1f grey levels rms over %d pixels\n",
         name.c_str(),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // GPL because of CGAL's solver, the oracle here.
-#include "server/preprocess/hulls/linear_program.h"
+#include "shared/core/linear_program.h"
 
 #include <CGAL/Gmpzf.h>
 #include <CGAL/QP_functions.h>

@@ -4,7 +4,7 @@
 // equality at the new minimum, which is therefore found in one dimension less. The argument needs a
 // unique minimum only, and so carries over from a linear goal to the distance from a point
 // [Sharir92, "LP-type problems"].
-#include "server/preprocess/hulls/linear_program.h"
+#include "shared/core/linear_program.h"
 
 #include <algorithm>
 #include <limits>
