@@ -45,7 +45,13 @@ struct Arguments {
   std::string tokenFile;
   std::vector<std::string> origins;
   std::size_t maxClients = 10'000;
-  std::size_t maxClientsPerAddress = 0;
+  std::size_t maxClientsPerAddress = TransportLimits{}.maxClientsPerAddress;
+  std::int64_t handshakeMs = TransportLimits{}.handshakeMs;
+  std::size_t maxMessageBytes = TransportLimits{}.maxMessageBytes;
+  std::uint32_t messagesPerSecond = TransportLimits{}.messagesPerSecond;
+  double posesPerSecond = SessionOptions{}.posesPerSecond;
+  std::uint64_t windowKib = SessionOptions{}.windowBytes / 1024;
+  std::int64_t progressMs = TransportLimits{}.progressMs;
   std::int64_t prefetchAfterMs = 1000;
   std::int64_t drainMs = 20'000;
   std::size_t workers = 0;
@@ -103,8 +109,12 @@ Result<TransportOptions> transportOptions(const Arguments& arguments) {
     options.access.tokens = std::move(*tokens);
   }
   options.access.origins = arguments.origins;
-  options.access.maxClients = arguments.maxClients;
-  options.access.maxClientsPerAddress = arguments.maxClientsPerAddress;
+  options.limits.maxClients = arguments.maxClients;
+  options.limits.maxClientsPerAddress = arguments.maxClientsPerAddress;
+  options.limits.handshakeMs = arguments.handshakeMs;
+  options.limits.maxMessageBytes = arguments.maxMessageBytes;
+  options.limits.messagesPerSecond = arguments.messagesPerSecond;
+  options.limits.progressMs = arguments.progressMs;
   options.drainMs = arguments.drainMs;
   return options;
 }
@@ -141,6 +151,8 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
   ViewCells cells(workers, {.cacheBytes = arguments.targetCacheMib << 20});
   SessionOptions sessionOptions;
   sessionOptions.prefetchAfterMs = arguments.prefetchAfterMs;
+  sessionOptions.posesPerSecond = arguments.posesPerSecond;
+  sessionOptions.windowBytes = arguments.windowKib * 1024;
   if (arguments.randomOrder >= 0) {
     sessionOptions.randomSeed = static_cast<std::uint64_t>(arguments.randomOrder);
   }
@@ -162,6 +174,25 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
     manager.tick(nowMs);
   };
   handlers.woken = [&] { workers.runDone(); };
+  handlers.happened = [](const TransportEvent& event) {
+    switch (event.kind) {
+      case TransportEvent::Kind::kOpened:
+        spdlog::debug("connection {} from {}", event.connection, event.address);
+        break;
+      case TransportEvent::Kind::kClosed:
+        spdlog::info(
+            "connection {} from {} ended after {:.1f} s and {} bytes ({})",
+            event.connection,
+            event.address,
+            event.seconds,
+            event.payloadBytes,
+            event.why);
+        break;
+      case TransportEvent::Kind::kRefused:
+        spdlog::warn("{} was refused ({})", event.address, event.why);
+        break;
+    }
+  };
   handlers.status = [&] {
     ServerStatus status;
     status.version = LIMN_VERSION;
@@ -241,6 +272,39 @@ int run(int argc, char** argv) {
          "--max-clients-per-address",
          arguments.maxClientsPerAddress,
          "Connections from one address at most; 0: no limit")
+      ->capture_default_str();
+  app.add_option(
+         "--handshake-ms",
+         arguments.handshakeMs,
+         "Time from a connection to its request and Hello")
+      ->check(CLI::Range(100, 600'000))
+      ->capture_default_str();
+  app.add_option(
+         "--max-message-bytes",
+         arguments.maxMessageBytes,
+         "Size of a client's message at most")
+      ->check(CLI::Range(std::size_t{1024}, limits::kMaxClientMessageBytes))
+      ->capture_default_str();
+  app.add_option(
+         "--messages-per-second",
+         arguments.messagesPerSecond,
+         "Messages from a client at most, besides one for each KiB sent to it")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option(
+         "--poses-per-second",
+         arguments.posesPerSecond,
+         "Poses of a model that count; of more than that the newest do")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--window-kib", arguments.windowKib, "Unacknowledged payload to a client at most")
+      ->check(CLI::Range(16, 64 * 1024))
+      ->capture_default_str();
+  app.add_option(
+         "--progress-ms",
+         arguments.progressMs,
+         "A client that takes or acknowledges nothing for so long is let go")
+      ->check(CLI::Range(100, 3'600'000))
       ->capture_default_str();
   app.add_option(
          "--prefetch-after-ms",

@@ -24,6 +24,9 @@ struct SessionShared {
   ViewCells& cells;
   SessionOptions options;
   std::string serverName = "limn-server";
+  // Counted by sessions.
+  std::uint64_t poses = 0;
+  std::uint64_t posesReplaced = 0;  // by a newer one before it was their turn
 };
 
 /// One connection, from Hello to close: takes in a client's messages, says what goes out next. All
@@ -56,6 +59,17 @@ class Session {
 
   [[nodiscard]] std::uint64_t payloadBytes() const { return window_.sentBytes(); }
 
+  /// See Window.
+  [[nodiscard]] std::optional<std::int64_t> waitingSinceMs() const {
+    return window_.waitingSinceMs();
+  }
+
+  /// Why it is to be closed, in a line; empty without a reason.
+  [[nodiscard]] const std::string& closeReason() const { return closeReason_; }
+
+  /// Ends the connection with an Error of code kLimit.
+  void refuseForLimit(const std::string& why);
+
   [[nodiscard]] std::size_t channelCount() const { return channels_.size(); }
 
   /// Memory held for this client, shared target sets and models excluded.
@@ -82,6 +96,8 @@ class Session {
   [[nodiscard]] Channel* find(std::uint8_t id);
   [[nodiscard]] std::optional<OutMessage> nextPayload();
   bool lookAhead();
+  /// Makes held poses count whose turn it is. True when there was one.
+  bool takePoses();
   /// Queues an Error; channel −1 ends the connection, others the channel.
   void refuse(protocol::WireError code, std::int16_t channel, const std::string& why);
   void closeChannel(std::uint8_t id);
@@ -97,6 +113,7 @@ class Session {
   bool catalogueWanted_ = false;
   std::deque<std::vector<std::uint8_t>> refusals_;
   std::optional<Close> close_;
+  std::string closeReason_;
   Window window_;
   std::vector<std::unique_ptr<Channel>> channels_;
 };

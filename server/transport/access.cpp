@@ -78,22 +78,6 @@ Result<std::vector<std::string>> parseTokens(std::string_view text) {
   return tokens;
 }
 
-bool ConnectionCounter::enter(const std::string& address, const AccessRules& rules) {
-  if (total_ >= rules.maxClients) return false;
-  std::size_t& mine = byAddress_[address];
-  if (rules.maxClientsPerAddress != 0 && mine >= rules.maxClientsPerAddress) return false;
-  ++mine;
-  ++total_;
-  return true;
-}
-
-void ConnectionCounter::leave(const std::string& address) {
-  const auto found = byAddress_.find(address);
-  if (found == byAddress_.end()) return;
-  --total_;
-  if (--found->second == 0) byAddress_.erase(found);
-}
-
 Result<ListenAddress> parseListenAddress(std::string_view text) {
   const auto refuse = [&] {
     return fail(

@@ -51,22 +51,6 @@ TEST(ParseTokens, TakesOneALineAndNamesTheBadOne) {
   EXPECT_FALSE(parseTokens("0123456789 abcdef"));
 }
 
-TEST(ConnectionCounter, KeepsToBothLimits) {
-  AccessRules rules;
-  rules.maxClients = 3;
-  rules.maxClientsPerAddress = 2;
-  ConnectionCounter counter;
-  EXPECT_TRUE(counter.enter("a", rules));
-  EXPECT_TRUE(counter.enter("a", rules));
-  EXPECT_FALSE(counter.enter("a", rules));
-  EXPECT_TRUE(counter.enter("b", rules));
-  EXPECT_FALSE(counter.enter("c", rules));
-  counter.leave("a");
-  EXPECT_TRUE(counter.enter("c", rules));
-  counter.leave("never");
-  EXPECT_EQ(counter.total(), 3U);
-}
-
 TEST(ParseListenAddress, TakesHostsWithPorts) {
   const auto v4 = parseListenAddress("127.0.0.1:8600");
   ASSERT_TRUE(v4);
