@@ -2,6 +2,7 @@
 #include "server/apps/background_preparation.h"
 #include "server/apps/inspect.h"
 #include "server/apps/service_manager.h"
+#include "server/apps/token.h"
 #include "server/session/model_library.h"
 #include "server/session/session.h"
 #include "server/session/view_cells.h"
@@ -33,6 +34,8 @@ constexpr char kExamples[] =
     "  limn-server --store assets --models meshes\n"
     "  limn-server --store assets --listen 0.0.0.0:8600 --token-file tokens.txt\n"
     "  limn-server --store assets --listen 127.0.0.1:0 --metrics-listen 127.0.0.1:9600\n"
+    "  limn-server token --key-file keys --models 'dragon,team-*'   (a token; has a --help of its "
+    "own)\n"
     "  limn-server inspect dragon --store assets     (where the bytes go; has a --help of its own)";
 
 struct Arguments {
@@ -43,6 +46,7 @@ struct Arguments {
   std::string tlsCertificate;
   std::string tlsKey;
   std::string tokenFile;
+  std::string tokenKeyFile;
   std::vector<std::string> origins;
   std::size_t maxClients = 10'000;
   std::size_t maxClientsPerAddress = TransportLimits{}.maxClientsPerAddress;
@@ -107,6 +111,13 @@ Result<TransportOptions> transportOptions(const Arguments& arguments) {
     auto tokens = parseTokens(*text);
     if (!tokens) return tl::unexpected(tokens.error().within("--token-file"));
     options.access.tokens = std::move(*tokens);
+  }
+  if (!arguments.tokenKeyFile.empty()) {
+    const auto text = readText(arguments.tokenKeyFile);
+    if (!text) return tl::unexpected(text.error());
+    auto keys = parseTokenKeys(*text);
+    if (!keys) return tl::unexpected(keys.error().within("--token-key-file"));
+    options.access.keys = std::move(*keys);
   }
   options.access.origins = arguments.origins;
   options.limits.maxClients = arguments.maxClients;
@@ -241,6 +252,11 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
     std::cout << "limn-server: metrics on http://" << options.metricsListen->host << ':'
               << transport->metricsPort() << "/metrics" << std::endl;
   }
+  const bool local = options.listen.host == "::1" || options.listen.host.starts_with("127.");
+  if (options.access.guarded() && options.tlsCertificate.empty() && !local) {
+    spdlog::warn(
+        "tokens travel unencrypted: give --tls-cert and --tls-key, or have a proxy do TLS");
+  }
   manager.ready("listening on port " + std::to_string(transport->port()));
   transport->run();
   preparation.stop();
@@ -265,6 +281,10 @@ int run(int argc, char** argv) {
       "--token-file",
       arguments.tokenFile,
       "Bearer tokens that clients may connect with, one a line");
+  app.add_option(
+      "--token-key-file",
+      arguments.tokenKeyFile,
+      "Keys that sign tokens with rights and an expiry (limn-server token), one a line");
   app.add_option("--origin", arguments.origins, "Hosts whose browser pages may connect");
   app.add_option("--max-clients", arguments.maxClients, "Connections at most")
       ->capture_default_str();
@@ -351,6 +371,9 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "inspect") {
     return limn::inspectCommand(argc - 1, argv + 1);
+  }
+  if (argc > 1 && std::string_view(argv[1]) == "token") {
+    return limn::tokenCommand(argc - 1, argv + 1);
   }
   return limn::run(argc, argv);
 }

@@ -21,9 +21,14 @@ protocol::WireError wireErrorOf(const Error& error) {
 
 }  // namespace
 
-Session::Session(SessionShared& shared, Peer& peer, std::int64_t nowMs)
+Session::Session(
+    SessionShared& shared,
+    Peer& peer,
+    std::int64_t nowMs,
+    std::shared_ptr<const Grant> grant)
     : shared_(shared),
       peer_(peer),
+      grant_(std::move(grant)),
       bornMs_(nowMs),
       nowMs_(nowMs),
       window_({.mostBytes = shared.options.windowBytes}) {}
@@ -109,7 +114,9 @@ void Session::handle(const protocol::Open& open) {
         open.channel,
         "at most " + std::to_string(shared_.options.maxChannels) + " models a connection");
   }
-  const ModelSource::Lookup lookup = shared_.models.find(name);
+  // A model that may not be seen is not told from one that is not there.
+  const ModelSource::Lookup lookup =
+      mayOpen(name) ? shared_.models.find(name) : ModelSource::Lookup{};
   switch (lookup.availability) {
     case ModelSource::Availability::kNotFound:
       return refuse(
@@ -275,7 +282,7 @@ std::optional<OutMessage> Session::nextMessage(std::int64_t nowMs) {
   if (close_) return std::nullopt;
   if (catalogueWanted_) {
     catalogueWanted_ = false;
-    out.owned = catalogueMessageOf(shared_.models.catalogue());
+    out.owned = catalogueMessageOf(shared_.models.catalogue(), grant_.get());
     return out;
   }
   for (const auto& channel : channels_) {

@@ -3,6 +3,7 @@
 
 #include "server/session/catalogue.h"
 #include "server/session/channel.h"
+#include "server/session/grant.h"
 #include "server/session/peer.h"
 #include "server/session/view_cells.h"
 #include "server/session/window.h"
@@ -14,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace limn {
@@ -36,7 +38,12 @@ class Session {
  public:
   enum class Close : std::uint8_t { kProtocolError, kGoingAway };
 
-  Session(SessionShared& shared, Peer& peer, std::int64_t nowMs);
+  /// grant: what the client may see; nullptr: everything.
+  Session(
+      SessionShared& shared,
+      Peer& peer,
+      std::int64_t nowMs,
+      std::shared_ptr<const Grant> grant = nullptr);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
@@ -104,8 +111,13 @@ class Session {
   /// Gives a loading channel its model if it has arrived. False when the channel is gone.
   bool tryLoad(Channel& channel);
 
+  [[nodiscard]] bool mayOpen(std::string_view model) const {
+    return grant_ == nullptr || grant_->allows(model);
+  }
+
   SessionShared& shared_;
   Peer& peer_;
+  std::shared_ptr<const Grant> grant_;
   std::int64_t bornMs_;
   std::int64_t nowMs_;
   bool greeted_ = false;

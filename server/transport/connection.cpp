@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <utility>
 
 namespace limn {
 namespace {
@@ -20,11 +21,11 @@ constexpr std::int64_t kFarewellMs = 2000;  // for a last message to a client th
 
 }  // namespace
 
-Connection::Connection(lws* socket, std::uint64_t number, Shared shared, std::int64_t nowMs)
-    : wsi_(socket),
-      number_(number),
+Connection::Connection(Client client, Shared shared, std::int64_t nowMs)
+    : wsi_(client.socket),
+      number_(client.number),
       shared_(shared),
-      session_(shared.sessions, *this, nowMs),
+      session_(shared.sessions, *this, nowMs, std::move(client.grant)),
       rate_(shared.limits.messagesPerSecond, kBurstSeconds * shared.limits.messagesPerSecond),
       progressMs_(nowMs) {}
 

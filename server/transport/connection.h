@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,13 @@ class Connection final : public Peer {
     std::vector<std::uint8_t>& scratch;  // for writing
   };
 
-  Connection(lws* socket, std::uint64_t number, Shared shared, std::int64_t nowMs);
+  struct Client {
+    lws* socket = nullptr;
+    std::uint64_t number = 0;
+    std::shared_ptr<const Grant> grant;  // nullptr: everything
+  };
+
+  Connection(Client client, Shared shared, std::int64_t nowMs);
 
   void wantWrite() override;
 

@@ -123,9 +123,10 @@ std::optional<HttpReply> refuseUpgrade(const UpgradeRequest& request) {
       std::string("send Sec-WebSocket-Protocol: ") + limits::kSubprotocol);
 }
 
-std::string catalogueJson(const std::vector<CatalogueItem>& items) {
+std::string catalogueJson(const std::vector<CatalogueItem>& items, const Grant* grant) {
   json list = json::array();
   for (const CatalogueItem& item : items) {
+    if (grant != nullptr && !grant->allows(item.name)) continue;
     json entry = {
         {"name", item.name},
         {"state", kStateNames[static_cast<std::size_t>(item.state)]},
@@ -206,8 +207,9 @@ std::string metricsText(const ServerStatus& s, const std::vector<CatalogueItem>&
 HttpReply routeMain(
     std::string_view path,
     const ServerStatus& status,
-    const std::vector<CatalogueItem>& items) {
-  if (path == "/models") return {200, "application/json", catalogueJson(items)};
+    const std::vector<CatalogueItem>& items,
+    const Grant* grant) {
+  if (path == "/models") return {200, "application/json", catalogueJson(items, grant)};
   if (path == "/livez") return text(200, "ok\n");
   if (path == "/readyz") {
     return status.ready ? text(200, "ok\n") : text(503, status.notReadyBecause + "\n");

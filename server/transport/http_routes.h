@@ -61,8 +61,10 @@ struct UpgradeRequest {
 /// Nothing, or why it is refused [RFC 6455, 4.2]: another version, a bad key, not our subprotocol.
 [[nodiscard]] std::optional<HttpReply> refuseUpgrade(const UpgradeRequest& request);
 
-/// GET /models, as commands.md has it.
-[[nodiscard]] std::string catalogueJson(const std::vector<CatalogueItem>& items);
+/// GET /models, as commands.md has it: what a grant allows to be seen; nullptr: everything.
+[[nodiscard]] std::string catalogueJson(
+    const std::vector<CatalogueItem>& items,
+    const Grant* grant = nullptr);
 
 /// Prometheus text of what is known: base units, no labels per client.
 [[nodiscard]] std::string metricsText(
@@ -73,7 +75,8 @@ struct UpgradeRequest {
 [[nodiscard]] HttpReply routeMain(
     std::string_view path,
     const ServerStatus& status,
-    const std::vector<CatalogueItem>& items);
+    const std::vector<CatalogueItem>& items,
+    const Grant* grant = nullptr);
 
 /// The same for the metrics port: /metrics, /livez.
 [[nodiscard]] HttpReply routeMetrics(

@@ -24,6 +24,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -103,6 +104,7 @@ struct Socket {
   std::string address;
   std::int64_t deadlineMs = 0;  // for its request, or its answer; 0: none, it is a WebSocket
   bool answered = false;
+  std::shared_ptr<const Grant> grant;  // of an upgrade that is let in
   std::unique_ptr<Connection> connection;
 };
 
@@ -151,7 +153,8 @@ class Transport final : public LwsTransport {
   void accept(lws* wsi);
   void forget(lws* wsi);
   int admit(lws* wsi);
-  [[nodiscard]] std::optional<HttpReply> refuse(lws* wsi, const Socket& socket);
+  [[nodiscard]] std::optional<HttpReply> refuse(lws* wsi, Socket& socket);
+  [[nodiscard]] Result<std::shared_ptr<const Grant>> grantOf(lws* wsi) const;
   int establish(lws* wsi);
   void ended(Socket& socket);
   int answer(lws* wsi, std::string_view path);
@@ -355,15 +358,18 @@ HttpReply Transport::turnAway(Refusal why, const std::string& address, const std
   return refusalReply(why, text);
 }
 
-std::optional<HttpReply> Transport::refuse(lws* wsi, const Socket& socket) {
+Result<std::shared_ptr<const Grant>> Transport::grantOf(lws* wsi) const {
+  return options_.access.admit(header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION), std::time(nullptr));
+}
+
+std::optional<HttpReply> Transport::refuse(lws* wsi, Socket& socket) {
   const auto away = [&](Refusal why, const std::string& text) {
     return turnAway(why, socket.address, text);
   };
   if (isMetrics(wsi)) return away(Refusal::kRequest, "there are no WebSockets on this port");
   if (drainUntilMs_ != 0) return away(Refusal::kDraining, "the server is going down");
-  if (!options_.access.hasToken(header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION))) {
-    return away(Refusal::kToken, "send Authorization: Bearer TOKEN");
-  }
+  auto grant = grantOf(wsi);
+  if (!grant) return away(Refusal::kToken, grant.error().message);
   if (!options_.access.allowsOrigin(header(wsi, WSI_TOKEN_ORIGIN), header(wsi, WSI_TOKEN_HOST))) {
     return away(Refusal::kOrigin, "pages of that origin may not connect");
   }
@@ -383,11 +389,12 @@ std::optional<HttpReply> Transport::refuse(lws* wsi, const Socket& socket) {
         "too many connections from your address; at most " +
             std::to_string(limits.maxClientsPerAddress));
   }
+  socket.grant = std::move(*grant);
   return std::nullopt;
 }
 
 int Transport::admit(lws* wsi) {
-  const Socket* socket = socketOf(wsi);
+  Socket* socket = socketOf(wsi);
   // The library answers an unknown upgrade and frees its headers, then asks all the same: what it
   // passes as the upgrade's name may be gone (NN-2025-0102).
   if (socket == nullptr || lws_hdr_total_length(wsi, WSI_TOKEN_UPGRADE) <= 0) return -1;
@@ -404,8 +411,7 @@ int Transport::establish(lws* wsi) {
   young_.erase(socket);
   socket->deadlineMs = 0;
   socket->connection = std::make_unique<Connection>(
-      wsi,
-      ++accepted_,
+      Connection::Client{wsi, ++accepted_, std::move(socket->grant)},
       Connection::Shared{options_.limits, shared_, traffic_, scratch_},
       nowMs());
   connections_.emplace(socket->connection.get(), wsi);
@@ -488,12 +494,17 @@ int Transport::answer(lws* wsi, std::string_view path) {
   if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) {
     // Whatever body it has is not read.
     made = {405, "text/plain; charset=utf-8", "only GET\n", {{"allow", "GET"}}, true};
-  } else if (
-      path == "/models" && !options_.access.hasToken(header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION))) {
-    made = turnAway(Refusal::kToken, socket->address, "send Authorization: Bearer TOKEN");
+  } else if (isMetrics(wsi)) {
+    made = routeMetrics(path, status(), handlers_.catalogue());
+  } else if (const auto grant = grantOf(wsi)) {
+    made = routeMain(path, status(), handlers_.catalogue(), grant->get());
+  } else if (path == "/livez" || path == "/readyz") {
+    // For those who only watch over it; why it is not ready is nobody else's business.
+    ServerStatus known = status();
+    known.notReadyBecause = "not ready";
+    made = routeMain(path, known, {});
   } else {
-    made = isMetrics(wsi) ? routeMetrics(path, status(), handlers_.catalogue())
-                          : routeMain(path, status(), handlers_.catalogue());
+    made = turnAway(Refusal::kToken, socket->address, grant.error().message);
   }
   return reply(wsi, made);
 }
