@@ -2,9 +2,9 @@
 //
 // Based on: P. Sander, X. Gu, S. Gortler, H. Hoppe, J. Snyder, "Silhouette clipping", SIGGRAPH
 // 2000. Deviations: winding numbers count up and down in one pass (two-sided stencil); loops are
-// spanned by halving (clip_contours.cpp); the outline's pixels are antialiased by area, as winding
-// numbers are: an edge changes a pixel's mean by the area behind it, so that edges inside the
-// outline, and any number of short ones in a pixel, come out right.
+// spanned by halving (clip_contours.cpp); instead of antialiased lines, the outline's pixels get
+// the share of them that contours wind around (contour_coverage.cpp), and the paper over their
+// rest.
 #include "client/render/clip_method.h"
 
 #include "client/render/image_io.h"
@@ -12,7 +12,10 @@
 #include "client/render/shaders/shaders.h"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 namespace limn {
@@ -20,23 +23,32 @@ namespace {
 
 /// Winding number 0: in the middle, since numbers on the way may be negative.
 constexpr int kStencilZero = 128;
-/// Winding numbers that are told apart: where layers lie behind one another edges may take away
-/// more than one of them.
-constexpr int kLevels = 4;
+/// Stencil value of pixels that the outline covers partly.
+constexpr int kPartly = 255;
+/// Of the fringe: itself and a pixel further to each side.
+constexpr GLsizei kFringes = 5;
 
 struct HullCorner {
-  glm::vec3 place{0.0F};  // grid units about origin_
-  glm::vec2 inMap{0.0F};  // texels
+  glm::vec3 place{0.0F};   // grid units about origin_
+  glm::vec3 normal{0.0F};  // the face's, unit
+  glm::vec2 inMap{0.0F};   // texels
+};
+
+/// Of an edge of a face.
+struct FringeCorner {
+  HullCorner corner;
+  glm::vec3 normalAcross{0.0F};  // of the face beyond the edge
 };
 
 template <class T>
-void fill(const gl::Api& api, GLenum target, const gl::Buffer& buffer, const std::vector<T>& data) {
+void fill(const gl::Api& api, GLenum target, const gl::Buffer& buffer, std::span<const T> data) {
   api.bindBuffer(target, buffer.id());
-  api.bufferData(
-      target,
-      static_cast<GLsizeiptr>(data.size() * sizeof(T)),
-      data.data(),
-      GL_DYNAMIC_DRAW);
+  api.bufferData(target, static_cast<GLsizeiptr>(data.size_bytes()), data.data(), GL_DYNAMIC_DRAW);
+}
+
+double millisecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
 }
 
 }  // namespace
@@ -56,16 +68,19 @@ Result<std::unique_ptr<DrawingMethod>> ClipMethod::create(DrawTools& tools) {
   namespace s = shaders;
   auto ok =
       build(method->stencilProgram_, "clip stencil", s::kClipStencilVertex, s::kDepthFragment);
-  if (ok) ok = build(method->levelProgram_, "clip level", s::kScreenVertex, s::kLevelFragment);
-  if (ok) ok = build(method->edgeProgram_, "clip edge", s::kClipEdgeVertex, s::kClipEdgeFragment);
-  if (ok) ok = build(method->hullProgram_, "hull", s::kMeshVertex, s::kShadedFragment);
-  if (ok) ok = build(method->mappedProgram_, "mapped hull", s::kHullVertex, s::kMappedFragment);
-  if (ok) ok = build(method->composeProgram_, "clip", s::kScreenVertex, s::kClipFragment);
+  if (ok)
+    ok = build(method->pixelProgram_, "clip pixel", s::kClipPixelVertex, s::kClipPixelFragment);
+  if (ok) ok = build(method->hullProgram_, "hull", s::kHullVertex, s::kHullFragment);
   if (!ok) return tl::unexpected(ok.error());
-  for (gl::VertexArray* array : {&method->contourArray_, &method->edgeArray_, &method->hullArray_})
+  for (gl::VertexArray* array :
+       {&method->contourArray_, &method->pixelArray_, &method->hullArray_, &method->fringeArray_})
     *array = gl::VertexArray::create(api);
   for (gl::Buffer* buffer :
-       {&method->contourPoints_, &method->contourIndices_, &method->hullPoints_})
+       {&method->contourPoints_,
+        &method->contourIndices_,
+        &method->pixels_,
+        &method->hullPoints_,
+        &method->fringePoints_})
     *buffer = gl::Buffer::create(api);
 
   api.bindVertexArray(method->contourArray_.id());
@@ -73,31 +88,47 @@ Result<std::unique_ptr<DrawingMethod>> ClipMethod::create(DrawTools& tools) {
   api.bindBuffer(GL_ELEMENT_ARRAY_BUFFER, method->contourIndices_.id());
   api.enableVertexAttribArray(0);
   api.vertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
-  // An edge an instance: a point and the one after it.
-  api.bindVertexArray(method->edgeArray_.id());
-  for (GLuint i = 0; i < 2; ++i) {
-    api.enableVertexAttribArray(i);
-    api.vertexAttribPointer(
-        i,
-        3,
-        GL_FLOAT,
-        GL_FALSE,
-        sizeof(glm::vec3),
-        reinterpret_cast<const void*>(i * sizeof(glm::vec3)));
-    api.vertexAttribDivisor(i, 1);
-  }
-  api.bindVertexArray(method->hullArray_.id());
-  api.bindBuffer(GL_ARRAY_BUFFER, method->hullPoints_.id());
+  api.bindVertexArray(method->pixelArray_.id());
+  api.bindBuffer(GL_ARRAY_BUFFER, method->pixels_.id());
   api.enableVertexAttribArray(0);
-  api.vertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(HullCorner), nullptr);
+  api.vertexAttribPointer(
+      0,
+      2,
+      GL_UNSIGNED_SHORT,
+      GL_FALSE,
+      sizeof(CoveredPixel),
+      reinterpret_cast<const void*>(offsetof(CoveredPixel, x)));
   api.enableVertexAttribArray(1);
   api.vertexAttribPointer(
       1,
-      2,
-      GL_FLOAT,
-      GL_FALSE,
-      sizeof(HullCorner),
-      reinterpret_cast<const void*>(offsetof(HullCorner, inMap)));
+      1,
+      GL_UNSIGNED_BYTE,
+      GL_TRUE,
+      sizeof(CoveredPixel),
+      reinterpret_cast<const void*>(offsetof(CoveredPixel, coverage)));
+  const auto attribute =
+      [&](GLuint location, GLint components, std::size_t offset, std::size_t stride) {
+        api.enableVertexAttribArray(location);
+        api.vertexAttribPointer(
+            location,
+            components,
+            GL_FLOAT,
+            GL_FALSE,
+            static_cast<GLsizei>(stride),
+            reinterpret_cast<const void*>(offset));
+      };
+  const auto hullAttributes = [&](std::size_t stride) {
+    attribute(0, 3, offsetof(HullCorner, place), stride);
+    attribute(1, 3, offsetof(HullCorner, normal), stride);
+    attribute(2, 2, offsetof(HullCorner, inMap), stride);
+  };
+  api.bindVertexArray(method->hullArray_.id());
+  api.bindBuffer(GL_ARRAY_BUFFER, method->hullPoints_.id());
+  hullAttributes(sizeof(HullCorner));
+  api.bindVertexArray(method->fringeArray_.id());
+  api.bindBuffer(GL_ARRAY_BUFFER, method->fringePoints_.id());
+  hullAttributes(sizeof(FringeCorner));
+  attribute(3, 3, offsetof(FringeCorner, normalAcross), sizeof(FringeCorner));
   api.getIntegerv(GL_SUBPIXEL_BITS, &method->subpixelBits_);
   method->subpixelBits_ = std::clamp(method->subpixelBits_, 4, 8);
   return method;
@@ -122,15 +153,33 @@ Result<void> ClipMethod::uploadHull(const DrawRequest& request) {
   std::vector<HullCorner> corners;
   corners.reserve(3 * std::size_t{faces});
   for (std::uint32_t f = 0; f < faces; ++f) {
+    const glm::uvec3& t = level->triangles[f];
+    const glm::dvec3& a = hullModelPoints_[t.x];
+    const glm::dvec3 normal = glm::cross(hullModelPoints_[t.y] - a, hullModelPoints_[t.z] - a);
+    const double length = glm::length(normal);
     for (int k = 0; k < 3; ++k) {
-      const glm::dvec3& place = hullModelPoints_[level->triangles[f][k]];
-      const glm::vec2 inMap = layout.faces == faces ? layout.corner(f, k) : glm::vec2(0.0F);
-      corners.push_back({glm::vec3(model.fromModel(place) - origin_), inMap});
+      corners.push_back(
+          {glm::vec3(model.fromModel(hullModelPoints_[t[k]]) - origin_),
+           glm::vec3(length > 0.0 ? normal / length : normal),
+           layout.faces == faces ? layout.corner(f, k) : glm::vec2(0.0F)});
     }
   }
+  const auto links =
+      HalfEdgeMesh::build(static_cast<std::uint32_t>(level->positions.size()), level->triangles);
+  if (!links) return tl::unexpected(links.error());
+  std::vector<FringeCorner> fringe;
+  fringe.reserve(2 * corners.size());
+  for (HalfEdgeId h = 0; h < corners.size(); ++h) {
+    const HalfEdgeId twin = links->twin(h);
+    const glm::vec3 across = twin == kNone ? glm::vec3(0.0F) : corners[twin].normal;
+    fringe.push_back({corners[h], across});
+    fringe.push_back({corners[HalfEdgeMesh::next(h)], across});
+  }
   hullCorners_ = static_cast<GLsizei>(corners.size());
-  tools_.api().bindVertexArray(hullArray_.id());
-  fill(tools_.api(), GL_ARRAY_BUFFER, hullPoints_, corners);
+  fringeCorners_ = static_cast<GLsizei>(fringe.size());
+  const gl::Api& api = tools_.api();
+  fill(api, GL_ARRAY_BUFFER, hullPoints_, std::span<const HullCorner>(corners));
+  fill(api, GL_ARRAY_BUFFER, fringePoints_, std::span<const FringeCorner>(fringe));
   return {};
 }
 
@@ -193,80 +242,67 @@ Result<void> ClipMethod::drawMesh(const DrawRequest& request, const gl::Target& 
   return {};
 }
 
-void ClipMethod::drawWinding(const ClipContours& contours) const {
+void ClipMethod::setStencil(const ClipContours& contours) const {
   const gl::Api& api = tools_.api();
-  winding_.bind();
-  api.clearColor(0.0F, 0.0F, 0.0F, 0.0F);
-  api.clearStencil(kStencilZero);
-  api.clear(GL_COLOR_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-  stencilProgram_.use();
-  stencilProgram_.set("size", glm::vec2(winding_.size().width, winding_.size().height));
-  api.enable(GL_STENCIL_TEST);
+  api.bindVertexArray(contourArray_.id());
+  fill(api, GL_ARRAY_BUFFER, contourPoints_, std::span(contours.points));
+  fill(api, GL_ELEMENT_ARRAY_BUFFER, contourIndices_, std::span(contours.triangles));
   api.stencilFunc(GL_ALWAYS, 0, 0xFF);
   api.stencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
   api.stencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
-  api.colorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  api.bindVertexArray(contourArray_.id());
   api.drawElements(
       GL_TRIANGLES,
       static_cast<GLsizei>(contours.triangles.size()),
       GL_UNSIGNED_INT,
       nullptr);
-  api.colorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  // Stencil values cannot be sampled in GLES 3.0: a few levels of them, as colour.
-  api.stencilOpSeparate(GL_FRONT_AND_BACK, GL_KEEP, GL_KEEP, GL_KEEP);
-  levelProgram_.use();
-  for (int level = 1; level <= kLevels; ++level) {
-    api.stencilFunc(GL_LEQUAL, kStencilZero + level, 0xFF);
-    levelProgram_.set("level", static_cast<float>(level) / kLevels);
-    tools_.drawScreen();
-  }
-  api.disable(GL_STENCIL_TEST);
 }
 
-void ClipMethod::drawChange(const ClipContours& contours) const {
+void ClipMethod::drawPixels(GLsizei count) const {
   const gl::Api& api = tools_.api();
-  change_.bind();
-  api.clearColor(0.0F, 0.0F, 0.0F, 0.0F);
-  api.clear(GL_COLOR_BUFFER_BIT);
-  if (contours.points.empty()) return;
-  edgeProgram_.use();
-  edgeProgram_.set("size", glm::vec2(change_.size().width, change_.size().height));
-  api.enable(GL_BLEND);
-  api.blendEquation(GL_FUNC_ADD);
-  api.blendFunc(GL_ONE, GL_ONE);
-  api.bindVertexArray(edgeArray_.id());
-  api.drawArraysInstanced(
-      GL_TRIANGLE_STRIP,
-      0,
-      4,
-      static_cast<GLsizei>(contours.points.size() - 1));
-  api.disable(GL_BLEND);
+  api.bindVertexArray(pixelArray_.id());
+  api.drawArrays(GL_POINTS, 0, count);
 }
 
-void ClipMethod::drawHull(const DrawRequest& request, const glm::mat4& clipFromCenter) const {
+/// The hull where the stencil is positive, and where it is partly but no hull is, as its
+/// neighbours.
+void ClipMethod::drawHull(
+    const DrawRequest& request,
+    const glm::mat4& clipFromCenter,
+    const gl::Target& picture) const {
   const gl::Api& api = tools_.api();
   // A map belongs to one level.
   const bool isMapped =
       mapThere_ && 3 * mapThere_->layout.faces == static_cast<std::uint32_t>(hullCorners_);
-  const gl::Program& program = isMapped ? mappedProgram_ : hullProgram_;
-  program.use();
-  program.set("clipFromCenter", clipFromCenter);
-  program.set("light", glm::vec4(MeshPass::lightOf(request.camera), 0.0F));
-  program.set("surface", MeshPass::kSurface);
-  program.set("normals", 0);
+  const Camera& camera = request.camera;
+  const glm::dvec3 eye = request.snapshot.model.grid.fromModel(camera.eye) - origin_;
+  hullProgram_.use();
+  hullProgram_.set("clipFromCenter", clipFromCenter);
+  hullProgram_.set(
+      "eye",
+      camera.orthographic ? glm::vec4(-camera.forward(), 0.0F) : glm::vec4(eye, 1.0F));
+  hullProgram_.set("size", glm::vec2(picture.size().width, picture.size().height));
+  hullProgram_.set("light", glm::vec4(MeshPass::lightOf(camera), 0.0F));
+  hullProgram_.set("surface", MeshPass::kSurface);
+  hullProgram_.set("normals", 0);
+  hullProgram_.set("mapped", isMapped ? 1.0F : 0.0F);
   if (isMapped) gl::bindTexture(api, 0, map_);
   api.enable(GL_DEPTH_TEST);
   api.depthFunc(GL_LESS);
   api.enable(GL_CULL_FACE);
   api.bindVertexArray(hullArray_.id());
+  hullProgram_.set("fringe", 0.0F);
+  api.stencilFunc(GL_LESS, kStencilZero, 0xFF);
   api.drawArrays(GL_TRIANGLES, 0, hullCorners_);
+  hullProgram_.set("fringe", 1.0F);
+  api.stencilFunc(GL_EQUAL, kPartly, 0xFF);
+  api.bindVertexArray(fringeArray_.id());
+  api.drawArraysInstanced(GL_LINES, 0, fringeCorners_, kFringes);
   api.disable(GL_CULL_FACE);
   api.disable(GL_DEPTH_TEST);
 }
 
 Result<void>
-ClipMethod::draw(const DrawRequest& request, const gl::Target& picture, FrameTimings&) {
+ClipMethod::draw(const DrawRequest& request, const gl::Target& picture, FrameTimings& timings) {
   if (auto ok = uploadHull(request); !ok) return ok;
   if (auto ok = uploadMap(request); !ok) return ok;
   const Camera& from = request.camera;
@@ -280,45 +316,52 @@ ClipMethod::draw(const DrawRequest& request, const gl::Target& picture, FrameTim
     matrix[3] = clipFromWorld * glm::dvec4(place, 1.0);
     return matrix;
   };
+  auto start = std::chrono::steady_clock::now();
   const ClipScreen screen{clipFrom(grid.origin), request.options.viewport, subpixelBits_};
   const auto& exact = request.snapshot.contour;
   const auto contours =
       exact ? clipContoursOf(exact->lines, screen) : clipContoursOf(request.lines, screen);
   if (!contours) return drawMesh(request, picture);
+  const auto partly = coverage_.find(*contours, request.options.viewport);
+  timings.strokeMs = millisecondsSince(start);
 
-  const gl::TextureSize size{request.options.viewport.width, request.options.viewport.height};
-  using gl::TexelFormat;
-  const gl::Target::Options winding{.size = size, .color = TexelFormat::kR8, .hasStencil = true};
-  const gl::Target::Options change{.size = size, .color = TexelFormat::kRgb10A2};
-  const gl::Target::Options surface{.size = size, .hasDepth = true};
-  auto ok = tools_.fit(winding_, "the winding numbers", winding);
-  if (ok) ok = tools_.fit(change_, "the outline's coverage", change);
-  if (ok) ok = tools_.fit(surface_, "the lit hull", surface);
-  if (!ok) return ok;
-
+  start = std::chrono::steady_clock::now();
   const gl::Api& api = tools_.api();
-  api.bindVertexArray(contourArray_.id());
-  fill(api, GL_ARRAY_BUFFER, contourPoints_, contours->points);
-  fill(api, GL_ELEMENT_ARRAY_BUFFER, contourIndices_, contours->triangles);
-  drawWinding(*contours);
-  drawChange(*contours);
-
-  surface_.bind();
-  api.clearColor(0.0F, 0.0F, 0.0F, 0.0F);
-  api.clearDepthf(1.0F);
-  api.clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  drawHull(request, glm::mat4(clipFrom(request.snapshot.model.sphere.center)));
-
   picture.bind();
-  composeProgram_.use();
-  composeProgram_.set("winding", 0);
-  composeProgram_.set("change", 1);
-  composeProgram_.set("surface", 2);
-  composeProgram_.set("paper", request.paper);
-  gl::bindTexture(api, 0, winding_.color());
-  gl::bindTexture(api, 1, change_.color());
-  gl::bindTexture(api, 2, surface_.color());
-  tools_.drawScreen();
+  const glm::vec3& paper = request.paper;
+  api.clearColor(paper.x, paper.y, paper.z, 1.0F);
+  api.clearDepthf(1.0F);
+  api.clearStencil(kStencilZero);
+  api.clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+  const glm::vec2 size(picture.size().width, picture.size().height);
+  api.enable(GL_STENCIL_TEST);
+  api.colorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  stencilProgram_.use();
+  stencilProgram_.set("size", size);
+  setStencil(*contours);
+  pixelProgram_.use();
+  pixelProgram_.set("size", size);
+  pixelProgram_.set("paper", paper);
+  api.bindVertexArray(pixelArray_.id());
+  fill(api, GL_ARRAY_BUFFER, pixels_, partly);
+  api.stencilFunc(GL_ALWAYS, kPartly, 0xFF);
+  api.stencilOpSeparate(GL_FRONT_AND_BACK, GL_KEEP, GL_KEEP, GL_REPLACE);
+  drawPixels(static_cast<GLsizei>(partly.size()));
+  api.finish();
+  timings.visibilityMs = millisecondsSince(start);
+
+  api.colorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  api.stencilOpSeparate(GL_FRONT_AND_BACK, GL_KEEP, GL_KEEP, GL_KEEP);
+  drawHull(request, glm::mat4(clipFrom(request.snapshot.model.sphere.center)), picture);
+  api.disable(GL_STENCIL_TEST);
+  pixelProgram_.use();
+  api.colorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  api.enable(GL_BLEND);
+  api.blendEquation(GL_FUNC_ADD);
+  api.blendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  drawPixels(static_cast<GLsizei>(partly.size()));
+  api.disable(GL_BLEND);
+  api.colorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   return {};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "client/render/clip_contours.h"
+#include "client/render/contour_coverage.h"
 #include "client/render/drawing_method.h"
 
 #include "shared/gl/handles.h"
@@ -37,27 +38,28 @@ class ClipMethod final : public DrawingMethod {
   Result<void> uploadMap(const DrawRequest& request);
   [[nodiscard]] Result<void> drawMesh(const DrawRequest& request, const gl::Target& picture);
   [[nodiscard]] Camera fitted(const Camera& camera) const;
-  void drawWinding(const ClipContours& contours) const;
-  void drawChange(const ClipContours& contours) const;
-  void drawHull(const DrawRequest& request, const glm::mat4& clipFromCenter) const;
+  void setStencil(const ClipContours& contours) const;
+  void drawPixels(GLsizei count) const;
+  void drawHull(
+      const DrawRequest& request,
+      const glm::mat4& clipFromCenter,
+      const gl::Target& picture) const;
 
   DrawTools& tools_;
   gl::Program stencilProgram_;
-  gl::Program levelProgram_;
-  gl::Program edgeProgram_;
+  gl::Program pixelProgram_;
   gl::Program hullProgram_;
-  gl::Program mappedProgram_;
-  gl::Program composeProgram_;
-  gl::Target winding_;  // of pixels' middles, as kClipFragment has it, and the stencil buffer
-  gl::Target change_;   // kClipEdgeFragment
-  gl::Target surface_;  // the lit hull
-  gl::Target fine_;     // the mesh, where the eye is inside
+  gl::Target fine_;  // the mesh, where the eye is inside
   gl::VertexArray contourArray_;
-  gl::VertexArray edgeArray_;
+  gl::VertexArray pixelArray_;
   gl::VertexArray hullArray_;
+  gl::VertexArray fringeArray_;
   gl::Buffer contourPoints_;
   gl::Buffer contourIndices_;
+  gl::Buffer pixels_;
   gl::Buffer hullPoints_;
+  gl::Buffer fringePoints_;
+  ContourCoverage coverage_;
   gl::Texture map_;
 
   // The hull that is there.
@@ -67,6 +69,7 @@ class ClipMethod final : public DrawingMethod {
   std::vector<glm::dvec3> hullModelPoints_;  // model units
   glm::dvec3 origin_{0.0};                   // of the hull's points on the GPU, grid units
   GLsizei hullCorners_ = 0;
+  GLsizei fringeCorners_ = 0;
   GLint subpixelBits_ = 8;
 };
 

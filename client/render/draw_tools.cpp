@@ -39,7 +39,7 @@ Result<void> DrawTools::fit(
     gl::Target& target,
     std::string_view name,
     const gl::Target::Options& options) const {
-  if (target.size() == options.size) return {};
+  if (target.size() == options.size && (!options.hasStencil || target.depth())) return {};
   target = {};  // free the old one first
   auto made = gl::Target::create(*api_, name, options);
   if (!made) return tl::unexpected(made.error());

@@ -3,7 +3,6 @@
 
 #include "server/session/catalogue.h"
 #include "server/session/channel.h"
-#include "server/session/grant.h"
 #include "server/session/peer.h"
 #include "server/session/view_cells.h"
 #include "server/session/window.h"
@@ -15,7 +14,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace limn {
@@ -26,9 +24,6 @@ struct SessionShared {
   ViewCells& cells;
   SessionOptions options;
   std::string serverName = "limn-server";
-  // Counted by sessions.
-  std::uint64_t poses = 0;
-  std::uint64_t posesReplaced = 0;  // by a newer one before it was their turn
 };
 
 /// One connection, from Hello to close: takes in a client's messages, says what goes out next. All
@@ -38,12 +33,7 @@ class Session {
  public:
   enum class Close : std::uint8_t { kProtocolError, kGoingAway };
 
-  /// grant: what the client may see; nullptr: everything.
-  Session(
-      SessionShared& shared,
-      Peer& peer,
-      std::int64_t nowMs,
-      std::shared_ptr<const Grant> grant = nullptr);
+  Session(SessionShared& shared, Peer& peer, std::int64_t nowMs);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
@@ -65,17 +55,6 @@ class Session {
   [[nodiscard]] std::int64_t bornMs() const { return bornMs_; }
 
   [[nodiscard]] std::uint64_t payloadBytes() const { return window_.sentBytes(); }
-
-  /// See Window.
-  [[nodiscard]] std::optional<std::int64_t> waitingSinceMs() const {
-    return window_.waitingSinceMs();
-  }
-
-  /// Why it is to be closed, in a line; empty without a reason.
-  [[nodiscard]] const std::string& closeReason() const { return closeReason_; }
-
-  /// Ends the connection with an Error of code kLimit.
-  void refuseForLimit(const std::string& why);
 
   [[nodiscard]] std::size_t channelCount() const { return channels_.size(); }
 
@@ -103,21 +82,14 @@ class Session {
   [[nodiscard]] Channel* find(std::uint8_t id);
   [[nodiscard]] std::optional<OutMessage> nextPayload();
   bool lookAhead();
-  /// Makes held poses count whose turn it is. True when there was one.
-  bool takePoses();
   /// Queues an Error; channel −1 ends the connection, others the channel.
   void refuse(protocol::WireError code, std::int16_t channel, const std::string& why);
   void closeChannel(std::uint8_t id);
   /// Gives a loading channel its model if it has arrived. False when the channel is gone.
   bool tryLoad(Channel& channel);
 
-  [[nodiscard]] bool mayOpen(std::string_view model) const {
-    return grant_ == nullptr || grant_->allows(model);
-  }
-
   SessionShared& shared_;
   Peer& peer_;
-  std::shared_ptr<const Grant> grant_;
   std::int64_t bornMs_;
   std::int64_t nowMs_;
   bool greeted_ = false;
@@ -125,7 +97,6 @@ class Session {
   bool catalogueWanted_ = false;
   std::deque<std::vector<std::uint8_t>> refusals_;
   std::optional<Close> close_;
-  std::string closeReason_;
   Window window_;
   std::vector<std::unique_ptr<Channel>> channels_;
 };

@@ -14,8 +14,6 @@ GLenum sizedFormat(TexelFormat format) {
       return GL_RG8;
     case TexelFormat::kRgba8:
       return GL_RGBA8;
-    case TexelFormat::kRgb10A2:
-      return GL_RGB10_A2;
     case TexelFormat::kR32ui:
       return GL_R32UI;
     case TexelFormat::kRgba32f:

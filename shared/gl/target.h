@@ -12,7 +12,6 @@ enum class TexelFormat {
   kR8,        // one channel, 0 … 1
   kRg8,       // two channels, 0 … 1
   kRgba8,     // four channels, 0 … 1
-  kRgb10A2,   // three channels, 0 … 1, 10 bits each
   kR32ui,     // one 32-bit word
   kRgba32f,   // four floats; not drawn into (GLES 3.0 does not promise it)
   kDepth32f,  // depth, sampled as a float

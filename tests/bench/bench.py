@@ -30,6 +30,8 @@ HULL_TARGETS = {"bunny-closed": (500, 1.09, 1.120), "torus-knot": (1000, 1.11, 1
 # Frame times over those of the shaded frame in papers/000, section 5: Venus, 5,672 faces (66 frames a second shaded, 40, 50
 # and 11.5), and the face of 13,408 (30 and 5). Its other ways have no times.
 DRAW_COSTS = {"wireframe": 66 / 40, "z-scale": 66 / 50, "fatten": 66 / 11.5, "charcoal": 30 / 5}
+# papers/003, table 1: times faster than drawing the original.
+CLIPPED = {"bunny-closed": 4.4, "dragon": 4.1, "torus-knot": 7.9, "three-torus": 16.4}
 # papers/003, table 2, of its models next to ours: edges and nodes tested, and times faster than brute force.
 CONE_FORESTS = {"bunny-closed": (10256, 4282, 5.0), "dragon": (67934, 26291, 4.2), "torus-knot": (13134, 7926, 7.9),
                 "three-torus": (5976, 4594, 15.6)}
@@ -311,8 +313,9 @@ class Bench:
     def clip(self):
         """Exact contours, and papers/003's tables: 1, frames of the original against those of a clipped hull, in one
         process each (what the GPU is decides much: the report names it); 2, searching against brute force."""
-        names = [n for n in ("bunny-closed", "torus-knot", "three-torus", "turbine-blade", "dragon") if n in self.files]
-        names = (names or list(self.files))[:1 if self.quick else 5]
+        names = [n for n in ("bunny-closed", "torus-knot", "three-torus", "turbine-blade", "armadillo", "brain", "dragon")
+                 if n in self.files]
+        names = (names or list(self.files))[:1 if self.quick else 7]
         for name in names:
             row = json.loads(harness.run("limn-contour-bench", self.files[name]))
             self.table.add("contour, bytes a point", name, row["bytes_a_point"], None, 12, "B")
@@ -321,16 +324,30 @@ class Bench:
                            200 if at_size else None, better="higher")
             self.cone_searches(name, row)
             store = self.prepare(name)
-            asset = self.store / "assets" / store["asset"]
             if "reason" in store["hull"]:
                 continue
-            frames = ["--asset", asset, "--path", "orbit", "--frames", "5" if self.quick else "25"]
-            shaded = self.draw(*frames, "--draw", "shaded")["frame_ms"]
-            clip = self.draw(*frames, "--draw", "clip", "--hull-faces", "500")["frame_ms"]
-            self.table.add("frame, clipped / original", name, clip["total"], shaded["total"], None, "ms")
-            self.table.add("  of it finding and chaining", name, clip["detect"] + clip["chain"], None, None, "ms")
+            self.clipped_frames(name)
             self.table.add("maps, bytes", name, store["bytes"]["maps"])
             self.table.add("hulls and maps, seconds", name, store["seconds"]["hull"] + store["seconds"]["maps"], None, None, "s")
+
+    def clipped_frames(self, name):
+        """papers/003's table 1, processor time of a software renderer, and the outline against the mesh's own."""
+        os.environ["LIMN_MODELS"] = str(self.files[name].parent)
+        views = "3" if self.quick else "12"
+        row = json.loads(harness.run("limn-clip-bench", "--times", "--views", views, "--size", "1024", self.files[name].name))
+        paper = CLIPPED.get(name)
+        self.table.add("frame, original / clipped", name, row["original_ms"] / row["clipped_ms"], paper, None, "x",
+                       quoted="papers/003, table 1" if paper else None, better="higher")
+        self.table.add("  original, 2 x 2 samples / clipped", name, row["original_2x2_ms"] / row["clipped_ms"], paper, 1, "x",
+                       quoted="papers/003, table 1" if paper else None, better="higher")
+        for what in ("original", "original_2x2", "coarse", "clipped", "find", "project", "coverage"):
+            self.table.add("  " + what.replace("_", ", "), name, row[what + "_ms"], None, None, "ms")
+        row = json.loads(harness.run("limn-clip-bench", "--views", "2" if self.quick else "20", self.files[name].name))
+        for whose in ("client", "server"):
+            self.table.add("outline by the %s's contours: leaks" % whose, name, row[whose]["leaks"], None, 0)
+            self.table.add("  holes", name, row[whose]["holes"], None, 0)
+            self.table.add("  grey levels from 256 samples", name, row[whose]["rms_to_256"], None, 8)
+            self.table.add("  grey levels from 16 samples", name, row[whose]["rms_to_16"], row["rms_of_16_samples"])
 
     def cone_searches(self, name, row):
         """papers/003's forest beside the client's tree. Both faces of every edge are the paper's brute force."""

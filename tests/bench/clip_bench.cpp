@@ -4,11 +4,16 @@
 // four times as large (16 samples a pixel) and sixteen times (256), from 20 views; silhouettes by
 // the client's chains and by the server's exact contours, coded and decoded. One line of JSON a
 // mesh.
-//   limn-clip-bench [--gl egl|osmesa] [--views N] [--size PX] MODEL-FILE...
+//   limn-clip-bench [--gl egl|osmesa] [--views N] [--size PX] [--times] MODEL-FILE...
 // leaks, holes: pixels that differ where the truth (of 16 samples) is the same within a pixel.
 // rms: grey levels of 255 at full contrast, over the pixels that the truth covers partly: ours from
 // either truth, and the coarse truth's from the fine one.
+// --times: papers/003's table 1 instead: processor milliseconds a frame, the best of five, means
+// over the views: the original mesh (one sample a pixel; 2 x 2), the hull alone, the clipped hull,
+// and of it finding and chaining, the contours' way to the screen and to coverage; the rest is GL.
 #include "client/render/assets.h"
+#include "client/render/clip_contours.h"
+#include "client/render/contour_coverage.h"
 #include "client/render/renderer.h"
 #include "client/stroke/chain.h"
 #include "server/contour/contour_extractor.h"
@@ -22,8 +27,10 @@
 #include "shared/silhouette/detector.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <memory>
 #include <string>
 #include <utility>
@@ -37,7 +44,24 @@ constexpr std::uint32_t kHullFaces = 500;
 struct Settings {
   int views = 20;
   int size = 320;
+  bool times = false;
 };
+
+/// Of the whole process, so of a software renderer's threads, too.
+double processorMs() {
+  return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+template <class Work>
+double bestOf(int rounds, Work work) {
+  double best = 1e300;
+  for (int i = 0; i < rounds; ++i) {
+    const double begin = processorMs();
+    work();
+    best = std::min(best, processorMs() - begin);
+  }
+  return best;
+}
 
 struct Tally {
   outline::Difference coarse;
@@ -78,7 +102,8 @@ class Bench {
     snapshot.model.sphere = boundingSphere(model->mesh.grid, model->mesh.positions);
     snapshot.model.closed = model->closed;
     snapshot.revision = ++revision_;  // each is another mesh to the renderer's cache
-    return compareViews(file, std::move(snapshot));
+    return settings_.times ? timeViews(file, std::move(snapshot))
+                           : compareViews(file, std::move(snapshot));
   }
 
  private:
@@ -133,6 +158,93 @@ class Bench {
     return {};
   }
 
+  /// The hull by itself, as a mesh.
+  Result<MeshSnapshot> hullAlone(const MeshSnapshot& snapshot) {
+    const auto level = hullAfter(*snapshot.outerHull, snapshot.outerHull->splitsFor(kHullFaces));
+    if (!level) return tl::unexpected(level.error());
+    const auto vertices = static_cast<std::uint32_t>(level->positions.size());
+    auto mesh = ActiveMesh::fromBase({0, vertices}, *level, {});
+    if (!mesh) return tl::unexpected(mesh.error());
+    MeshSnapshot hull;
+    hull.mesh = *std::move(mesh);
+    hull.model.grid = level->grid;
+    hull.model.sphere = boundingSphere(level->grid, level->positions);
+    hull.model.closed = true;
+    hull.revision = ++revision_;
+    return hull;
+  }
+
+  Result<void> timeViews(const std::string& file, MeshSnapshot snapshot) {
+    constexpr int kRounds = 5;
+    const HalfEdgeMesh& mesh = snapshot.mesh.mesh();
+    const SilhouetteField field(mesh, snapshot.mesh.positions(), SilhouetteKind::kEdges);
+    const auto detector = makeDetector(DetectorMethod::kCones, field);
+    SilhouetteChainer chainer;
+    ContourCoverage coverage;
+    const auto hull = hullAlone(snapshot);
+    if (!hull) return tl::unexpected(hull.error());
+    const Viewport viewport{settings_.size, settings_.size};
+    double found = 0.0;
+    double projected = 0.0;
+    double covered = 0.0;
+    std::vector<PolylineSet> lines;
+    std::vector<Camera> cameras;
+    for (int v = 0; v < settings_.views; ++v) {
+      Camera camera = cameraOf(snapshot.model.sphere, v, settings_.views);
+      fitDepthRange(hull->model.sphere, camera);
+      const SilhouetteView view{snapshot.model.grid.fromModel(camera.eye), camera.forward(), false};
+      found += bestOf(kRounds, [&] {
+        static_cast<void>(chainer.chain(field, view, detector->detect(view)));
+      });
+      lines.push_back(chainer.chain(field, view, detector->detect(view)));
+      const glm::dmat4 clipFromWorld = camera.clipFromWorld(viewport.aspect());
+      ClipScreen screen{clipFromWorld * snapshot.model.grid.step, viewport, 8};
+      screen.clipFromGrid[3] = clipFromWorld * glm::dvec4(snapshot.model.grid.origin, 1.0);
+      projected +=
+          bestOf(kRounds, [&] { static_cast<void>(clipContoursOf(lines.back(), screen)); });
+      const auto contours = clipContoursOf(lines.back(), screen);
+      if (!contours) return fail(ErrorCode::kInvalidArgument, "a view from inside");
+      covered += bestOf(kRounds, [&] { static_cast<void>(coverage.find(*contours, viewport)); });
+      cameras.push_back(camera);
+    }
+    const auto frames = [&](const MeshSnapshot& of, DrawMode mode, int supersample) {
+      RenderOptions options;
+      options.viewport = viewport;
+      options.draw = mode;
+      options.hullFaces = kHullFaces;
+      options.supersample = supersample;
+      double sum = 0.0;
+      for (std::size_t v = 0; v < cameras.size(); ++v) {
+        static_cast<void>(renderer_.render(of, lines[v], cameras[v], options));  // uploads
+        sum += bestOf(kRounds, [&] {
+          static_cast<void>(renderer_.render(of, lines[v], cameras[v], options));
+        });
+      }
+      return sum / static_cast<double>(cameras.size());
+    };
+    const double clip = frames(snapshot, DrawMode::kClip, 1);
+    const double original = frames(snapshot, DrawMode::kShaded, 1);
+    const double smooth = frames(snapshot, DrawMode::kShaded, 2);
+    const double coarse = frames(*hull, DrawMode::kShaded, 1);
+    const double views = settings_.views;
+    std::printf(
+        "{\"mesh\":\"%s\",\"faces\":%u,\"size\":%d,\"original_ms\":%.2f,"
+        "\"original_2x2_ms\":%.2f,\"coarse_ms\":%.2f,\"clipped_ms\":%.2f,\"find_ms\":%.3f,"
+        "\"project_ms\":%.3f,\"coverage_ms\":%.3f}\n",
+        file.c_str(),
+        mesh.faceCount(),
+        settings_.size,
+        original,
+        smooth,
+        coarse,
+        clip + found / views,
+        found / views,
+        projected / views,
+        covered / views);
+    std::fflush(stdout);
+    return {};
+  }
+
   static void print(const char* name, const Tally& tally) {
     std::printf(
         ",\"%s\":{\"leaks\":%d,\"holes\":%d,\"rms_to_16\":%.2f,\"rms_to_256\":%.2f,"
@@ -156,6 +268,10 @@ int run(int count, char** words) {
   std::vector<std::string> files;
   for (int i = 1; i < count; ++i) {
     const std::string word = words[i];
+    if (word == "--times") {
+      settings.times = true;
+      continue;
+    }
     if (word.starts_with("--") && i + 1 == count) {
       std::fprintf(stderr, "limn-clip-bench: %s needs a value\n", word.c_str());
       return 2;
@@ -167,7 +283,7 @@ int run(int count, char** words) {
     } else if (word == "--views") {
       settings.views = std::max(1, std::atoi(words[++i]));
     } else if (word == "--size") {
-      settings.size = std::clamp(std::atoi(words[++i]), 16, 512);
+      settings.size = std::clamp(std::atoi(words[++i]), 16, 4096);
     } else {
       files.push_back(word);
     }

@@ -24,11 +24,11 @@ for group in "$@"; do
     hull) targets="$targets limn-hull-bench" ;;
     simplify) targets="$targets limn-prepare limn-simplify-bench" ;;
     stream) targets="$targets limn-prepare limn-server limn-client limn-codec-bench limn-selection-bench" ;;
-    clip) targets="$targets limn-prepare limn-client limn-contour-bench" ;;
+    clip) targets="$targets limn-prepare limn-clip-bench limn-contour-bench" ;;
     server) targets="$targets limn-prepare limn-server limn-load limn-delivery-bench" ;;
   esac
 done
-[ -n "$targets" ] || targets="limn-codec-bench limn-contour-bench limn-hull-bench limn-prepare limn-server limn-client limn-load limn-visibility-bench limn-device-visibility-bench limn-draw-bench limn-selection-bench limn-delivery-bench limn-simplify-bench limn-silhouette-bench"
+[ -n "$targets" ] || targets="limn-codec-bench limn-clip-bench limn-contour-bench limn-hull-bench limn-prepare limn-server limn-client limn-load limn-visibility-bench limn-device-visibility-bench limn-draw-bench limn-selection-bench limn-delivery-bench limn-simplify-bench limn-silhouette-bench"
 # shellcheck disable=SC2086 # a list
 cmake --build --preset release --target $targets >build/release/bench-build.log 2>&1 || {
   tail -n 40 build/release/bench-build.log >&2

@@ -22,7 +22,7 @@
 namespace limn {
 namespace {
 
-constexpr int kSize = 320;
+constexpr int kSize = 256;
 constexpr std::uint32_t kHullFaces = 500;
 
 MeshSnapshot withHull(const TriangleMesh& mesh) {
@@ -33,8 +33,13 @@ MeshSnapshot withHull(const TriangleMesh& mesh) {
   return snapshot;
 }
 
-outline::Difference differenceOf(Renderer& renderer, const MeshSnapshot& snapshot, int views) {
-  outline::Difference difference;
+struct Differences {
+  outline::Difference coarse;  // from 16 samples a pixel
+  outline::Difference fine;    // from 256, of every third view
+};
+
+Differences differencesOf(Renderer& renderer, const MeshSnapshot& snapshot, int views) {
+  Differences differences;
   for (int view = 0; view < views; ++view) {
     const Camera camera = orbitCamera(
         snapshot.model.sphere,
@@ -50,9 +55,13 @@ outline::Difference differenceOf(Renderer& renderer, const MeshSnapshot& snapsho
     const auto ours = outline::coverage(renderer, snapshot, lines, camera, clip);
     const auto truth = outline::truth(renderer, snapshot, camera, kSize, 4);
     EXPECT_TRUE(ours && truth);
-    if (ours && truth) outline::compare(*ours, *truth, kSize, difference);
+    if (ours && truth) outline::compare(*ours, *truth, kSize, differences.coarse);
+    if (view % 3 != 0) continue;
+    const auto fine = outline::truth(renderer, snapshot, camera, kSize, 16);
+    EXPECT_TRUE(fine);
+    if (ours && fine) outline::compare(*ours, *fine, kSize, differences.fine);
   }
-  return difference;
+  return differences;
 }
 
 class ClipOutline : public ::testing::Test {
@@ -60,19 +69,21 @@ class ClipOutline : public ::testing::Test {
   void check(const std::string& name, const TriangleMesh& mesh, int views) {
     if (!renderer_) renderer_ = makeRenderer(GlBackend::kOsmesa);
     ASSERT_TRUE(renderer_);
-    const outline::Difference d = differenceOf(*renderer_, withHull(mesh), views);
+    const Differences d = differencesOf(*renderer_, withHull(mesh), views);
     std::printf(
-        "%s: %d leaks, %d holes, outline %.1f grey levels rms over %d pixels\n",
+        "%s: %d leaks, %d holes, outline %.1f grey levels rms from 16 samples a pixel, %.1f from "
+        "256\n",
         name.c_str(),
-        d.leaks,
-        d.holes,
-        d.rmsGrey(),
-        d.edgePixels);
-    EXPECT_EQ(d.leaks, 0) << name;
-    EXPECT_EQ(d.holes, 0) << name;
-    // Between black and white, where sixteen samples a pixel are off by some 10 levels themselves.
-    EXPECT_LT(d.rmsGrey(), 18.0) << name;
-    EXPECT_GT(d.edgePixels, 500 * views / 2) << name;
+        d.coarse.leaks,
+        d.coarse.holes,
+        d.coarse.rmsGrey(),
+        d.fine.rmsGrey());
+    EXPECT_EQ(d.coarse.leaks, 0) << name;
+    EXPECT_EQ(d.coarse.holes, 0) << name;
+    // Between black and white. Sixteen samples are off by 8 to 11 levels themselves.
+    EXPECT_LT(d.coarse.rmsGrey(), 13.0) << name;
+    EXPECT_LT(d.fine.rmsGrey(), 3.0) << name;
+    EXPECT_GT(d.coarse.edgePixels, 400 * views / 2) << name;
   }
 
   std::optional<Renderer> renderer_;
