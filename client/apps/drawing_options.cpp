@@ -25,6 +25,7 @@ RenderOptions renderOptionsOf(const RenderCommandOptions& options) {
   render.widthPx = options.widthPx;
   render.widthModelUnits = options.widthModelUnits;
   render.widthFalloff = options.widthFalloff;
+  render.textureSize = options.textureSize;
   render.brush = options.brush;
   render.hidden = options.hidden;
   render.lineColor = options.lineColor;

@@ -2,6 +2,7 @@
 // limn-load: many light clients against one server, in one process, from a script.
 #include "client/apps/load_run.h"
 #include "client/apps/load_server_usage.h"
+#include "client/apps/token.h"
 #include "client/load/mesh_decoder.h"
 #include "client/load/report.h"
 #include "client/load/script.h"
@@ -33,6 +34,7 @@ struct Arguments {
   std::string script;
   std::string report;
   std::string tokenFile;
+  std::string caFile;
   int serverPid = 0;
 };
 
@@ -61,14 +63,10 @@ int run(const Arguments& arguments) {
   limn::load::RunOptions options;
   options.url = arguments.server;
   options.makeDecoder = limn::load::makeMeshDecoder;
-  if (!arguments.tokenFile.empty()) {
-    std::ifstream stream(arguments.tokenFile);
-    if (!std::getline(stream, options.token) || options.token.empty()) {
-      return complain(
-          kFailed,
-          arguments.tokenFile + ": holds no token; write it on the first line");
-    }
-  }
+  auto token = limn::readToken(arguments.tokenFile);
+  if (!token) return complain(kFailed, token.error().message);
+  options.token = std::move(*token);
+  options.caFile = arguments.caFile;
   if (arguments.serverPid > 0) {
     options.server = arguments.serverPid;
   } else if (const auto port = localPort(arguments.server)) {
@@ -122,7 +120,11 @@ int main(int argc, char** argv) {
   app.add_option("--server", arguments.server, "ws://HOST:PORT or wss://HOST:PORT")->required();
   app.add_option("--script", arguments.script, "what the clients do, TOML")->required();
   app.add_option("--report", arguments.report, "write the JSON report here instead of to stdout");
-  app.add_option("--token-file", arguments.tokenFile, "file with the server's token");
+  app.add_option(
+      "--token-file",
+      arguments.tokenFile,
+      "file with the server's token (default: $LIMN_TOKEN)");
+  app.add_option("--ca-file", arguments.caFile, "certificates (PEM) to trust for wss://");
   app.add_option(
       "--server-pid",
       arguments.serverPid,

@@ -35,6 +35,7 @@ class Runner : public LoadConnections::Listener {
     LoadConnections::Options network;
     network.url = options_.url;
     network.token = options_.token;
+    network.caFile = options_.caFile;
     network.maxConnections = clients_.size();
     network.maxMessageBytes = limits::kMaxServerMessageBytes;
     network.subprotocol = limits::kSubprotocol;

@@ -19,6 +19,7 @@ namespace limn::load {
 struct RunOptions {
   std::string url;
   std::string token;            // empty: none
+  std::string caFile;           // PEM certificates to trust besides the system's; empty: none
   std::optional<pid_t> server;  // the process to watch; empty: none
   std::function<std::unique_ptr<PayloadDecoder>()> makeDecoder;
   /// Called about once a second with the time since the start. Empty: silence.

@@ -15,6 +15,7 @@
 #include "client/core/client_session.h"
 #include "client/pose/camera_file.h"
 #include "client/pose/orbit_path.h"
+#include "client/pose/recorded_path.h"
 #include "client/render/assets.h"
 #include "client/render/image_io.h"
 #include "client/render/image_seeds.h"
@@ -54,15 +55,26 @@ Result<CameraPath> cameras(const RenderCommandOptions& options, const ModelDescr
     fitDepthRange(model.sphere, first);
     return CameraPath(options.frames, first);
   }
-  const Orbit orbit = options.orbit.value_or(Orbit{});
-  const double fov = options.fovDegrees.value_or(Camera{}.fovDegrees);
-  const std::uint32_t turns = options.orbitPath ? options.frames : 1;
-  CameraPath path = orbitPath(model.sphere, orbit, fov, turns);
-  for (Camera& camera : path) {
-    camera.orthographic = options.orthographic;
-    fitDepthRange(model.sphere, camera);
+  CameraPath path;
+  if (!options.recordedPath.empty()) {
+    const auto recorded = readRecordedPath(options.recordedPath);
+    if (!recorded) return tl::unexpected(recorded.error());
+    const double step = durationOf(*recorded) / std::max(options.frames - 1, 1U);
+    for (std::uint32_t i = 0; i < options.frames; ++i) {
+      path.push_back(cameraAt(*recorded, i * step));
+      if (options.fovDegrees) path.back().fovDegrees = *options.fovDegrees;
+      path.back().orthographic = path.back().orthographic || options.orthographic;
+    }
+  } else {
+    const Orbit orbit = options.orbit.value_or(Orbit{});
+    const double fov = options.fovDegrees.value_or(Camera{}.fovDegrees);
+    path = orbitPath(model.sphere, orbit, fov, options.orbitPath ? options.frames : 1);
+    path.resize(options.frames, path.front());
+    for (Camera& camera : path)
+      camera.orthographic = options.orthographic;
   }
-  if (!options.orbitPath) path.resize(options.frames, path.front());
+  for (Camera& camera : path)
+    fitDepthRange(model.sphere, camera);
   return path;
 }
 
@@ -195,7 +207,7 @@ class Drawing {
   Result<void> drawFrame(const Camera& camera, std::uint32_t index) {
     const bool last = index + 1 == options_.frames;
     // Without a number in a path every frame is the same picture: the last one is kept.
-    const bool isKept = options_.orbitPath || last;
+    const bool isKept = options_.moves() || last;
     LineFinder::Lines found;
     const bool findsLines = options_.contours == SessionMachine::Options::Contours::kOwnMesh;
     if (findsLines && (needsLines(options_.draw) || (isKept && usesLines(options_)))) {
@@ -363,7 +375,7 @@ Result<void> runRender(const RenderCommandOptions& options) {
   // A moving camera asks for more and more, so its connection stays open.
   const bool exactContours = options.contours == SessionMachine::Options::Contours::kServer;
   if (exactContours) until.state = MeshState::kBase;
-  const bool follows = source->isServer && options.orbitPath && options.frames > 1 &&
+  const bool follows = source->isServer && options.moves() && options.frames > 1 &&
                        until.kind == StopCondition::Kind::kState &&
                        (until.state > MeshState::kBase || exactContours);
 

@@ -19,6 +19,7 @@
 #include <memory>
 #include <sstream>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace limn {
@@ -199,11 +200,18 @@ Result<void> understandView(const RawFlags& raw, RenderCommandOptions& options) 
   if (options.memoryMib > (1U << 20)) return wrong("--memory is at most 1048576 (MiB)");
   if (options.frames < 1 || options.frames > 100'000) return wrong("--frames is 1 to 100000");
   if (!raw.path.empty()) {
-    if (raw.path != "orbit") return wrong("--path " + raw.path + " is unknown: write orbit");
-    if (!options.cameraFile.empty()) {
+    options.orbitPath = raw.path == "orbit";
+    if (!options.orbitPath) options.recordedPath = raw.path;
+    if (std::error_code error; !options.orbitPath && !std::filesystem::exists(raw.path, error)) {
+      return wrong("--path " + raw.path + " is no file: write orbit, or a path that view recorded");
+    }
+    if (options.orbitPath && !options.cameraFile.empty()) {
       return wrong("--path orbit starts at --camera orbit:…, not at a --camera-file");
     }
-    options.orbitPath = true;
+    if (!options.orbitPath && (!options.cameraFile.empty() || options.orbit)) {
+      return wrong(
+          "--path " + raw.path + " has its own cameras: leave --camera and --camera-file out");
+    }
     if (!raw.out.empty() && options.frames > 1 && !hasFrameNumber(raw.out)) {
       return wrong(
           "--out needs a place for the frame's number: write for instance --out 'f%04d.png'");
@@ -266,6 +274,8 @@ void addRender(CLI::App& app, RenderCommandOptions& o, RawFlags& raw) {
          raw.widthFalloff,
          "Strokes thin out with distance: 0 not (the default), 1 as the model does")
       ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--texture-size", o.textureSize, "Times as long as the style's own texture (1)")
+      ->check(CLI::Range(0.1, 10.0));
   app.add_option("--hidden", raw.hidden, "style|off|as-visible");
   app.add_option("--line-color", raw.lineColor, "#rrggbb (the style's); not of strokes");
   app.add_option(
@@ -285,7 +295,10 @@ void addRender(CLI::App& app, RenderCommandOptions& o, RawFlags& raw) {
       o.memoryMib,
       "MiB for the streamed mesh; what no view needs is dropped (no limit)");
   app.add_option("--frames", o.frames, "Frames to draw; times are medians over them (1)");
-  app.add_option("--path", raw.path, "orbit: once around the model in --frames frames");
+  app.add_option(
+      "--path",
+      raw.path,
+      "orbit: once around the model in --frames frames; or a file that view has recorded");
   app.add_option("--out", raw.out, "Picture (PNG); with --path, a pattern like f%04d.png");
   app.add_option("--svg", raw.svg, "Strokes as vector paths, in layers (SVG); --path: as --out");
   path("--report", o.report, "Report (JSON)");

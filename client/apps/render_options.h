@@ -66,6 +66,7 @@ struct RenderCommandOptions {
   std::optional<double> widthPx;
   std::optional<double> widthModelUnits;
   double widthFalloff = 0.0;
+  double textureSize = 1.0;
   Brush brush;
   HiddenLines hidden = HiddenLines::kStyle;
   std::optional<glm::vec3> lineColor;
@@ -76,6 +77,10 @@ struct RenderCommandOptions {
 
   std::uint32_t frames = 1;
   bool orbitPath = false;
+  std::filesystem::path recordedPath;  // instead: a camera path that was recorded
+
+  /// Frames differ by their cameras.
+  [[nodiscard]] bool moves() const { return orbitPath || !recordedPath.empty(); }
 
   std::filesystem::path out;
   std::filesystem::path svg;

@@ -4,6 +4,7 @@
 #include "client/apps/child_process.h"
 #include "client/apps/interrupt.h"
 #include "client/apps/temporary_directory.h"
+#include "client/apps/token.h"
 #include "client/net/asset_connection.h"
 #include "client/net/asset_files.h"
 
@@ -18,28 +19,6 @@
 
 namespace limn {
 namespace {
-
-constexpr std::size_t kMaxTokenBytes = 4096;
-
-Result<std::string> readToken(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return fail(ErrorCode::kNotFound, "cannot open token file " + path.string());
-  std::string token(kMaxTokenBytes + 1, '\0');
-  in.read(token.data(), static_cast<std::streamsize>(token.size()));
-  token.resize(static_cast<std::size_t>(in.gcount()));
-  while (!token.empty() && (token.back() == '\n' || token.back() == '\r' || token.back() == ' ')) {
-    token.pop_back();
-  }
-  const bool odd = std::any_of(token.begin(), token.end(), [](char c) {
-    return static_cast<unsigned char>(c) <= ' ' || static_cast<unsigned char>(c) >= 0x7F;
-  });
-  if (token.empty() || token.size() > kMaxTokenBytes || odd) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "token file " + path.string() + " does not hold one token of printable characters");
-  }
-  return token;
-}
 
 /// The last line with something in it.
 std::string lastLine(const std::string& text) {
@@ -108,11 +87,9 @@ Result<LwsConnectionOptions> serverOf(const SourceOptions& options) {
   auto url = parseServerUrl(options.serverUrl);
   if (!url) return tl::unexpected(url.error());
   server.url = std::move(*url);
-  if (!options.tokenFile.empty()) {
-    auto token = readToken(options.tokenFile);
-    if (!token) return tl::unexpected(token.error());
-    server.token = std::move(*token);
-  }
+  auto token = readToken(options.tokenFile);
+  if (!token) return tl::unexpected(token.error());
+  server.token = std::move(*token);
   server.caFile = options.caFile.string();
   return server;
 }

@@ -9,7 +9,10 @@ void addServerFlags(CLI::App& app, SourceOptions& source) {
   app.add_option("--server", source.serverUrl, "Server to stream from, ws://HOST:PORT")
       ->group(kSourceGroup);
   app.add_option("--model", source.model, "Name of the model on the server")->group(kSourceGroup);
-  app.add_option("--token-file", source.tokenFile, "File with the token that the server asks for")
+  app.add_option(
+         "--token-file",
+         source.tokenFile,
+         "File with the token that the server asks for (default: $LIMN_TOKEN)")
       ->group(kSourceGroup);
   app.add_option("--ca-file", source.caFile, "Certificates (PEM) to trust for wss://")
       ->group(kSourceGroup);

@@ -44,7 +44,7 @@ Result<std::string> svgFile(
   // A file has no catalogue name: its own says more.
   svg.model = options.source.meshFile.empty() ? modelName : options.source.meshFile.stem().string();
   svg.creator = std::string("limn-client ") + LIMN_VERSION;
-  const StrokeStyle& style = files->style;
+  const StrokeStyle style = withTextureSize(files->style, options.textureSize);
   const auto widthPx = static_cast<float>(options.widthPx.value_or(style.widthPx));
   svg.visible = penOf(style.visible, files->visible, style, widthPx);
   if (options.hidden == HiddenLines::kStyle) {

@@ -8,6 +8,7 @@
 #include "client/apps/picture_thread.h"
 #include "client/apps/viewed_model.h"
 #include "client/pose/camera_file.h"
+#include "client/pose/path_recorder.h"
 #include "client/render/assets.h"
 #include "client/view/detail.h"
 #include "client/view/menus.h"
@@ -153,6 +154,7 @@ class Viewer {
   }
 
   void openModel(const std::string& name) {
+    if (recorder_) record();  // a path is of one model
     model_.open(name);
     controls_.reset();
     ordered_.reset();
@@ -197,6 +199,7 @@ class Viewer {
       if (ImGui::IsMouseDoubleClicked(0)) flyTo(pointer, desk, now);
     }
     isAnimating_ = controls_->animate(now);
+    if (recorder_) recorder_->add(now, controls_->camera());
   }
 
   void flyTo(const glm::dvec2& pointer, const Viewport& desk, double now) {
@@ -220,6 +223,7 @@ class Viewer {
       facts_.complaint = watch_->complaint();
     if (Window::nowSeconds() > messageUntil_) facts_.message.clear();
     facts_.gl = pictures_.gl();
+    facts_.isRecording = recorder_.has_value();
     if (!shown_) return;
     facts_.faces = shown_->order.snapshot->mesh.mesh().faceCount();
     facts_.detectMs = shown_->detectMs;
@@ -240,6 +244,7 @@ class Viewer {
     if (actions.savePng) save(".png");
     if (actions.saveSvg) save(".svg");
     if (actions.copyCommand) copyCommand();
+    if (actions.record) record();
     if (actions.quit) window_->close();
   }
 
@@ -253,6 +258,22 @@ class Viewer {
     lastSaved_ = path;
     tally_.saved.push_back(path.string());
     pictures_.save(*ordered_, path);
+  }
+
+  /// Begins, or ends and writes what was recorded: for `render --path` and load scripts.
+  void record() {
+    if (!recorder_) {
+      if (controls_) recorder_.emplace();
+      return;
+    }
+    const RecordedPath path = recorder_->path();
+    recorder_.reset();
+    if (path.empty()) return;
+    const std::filesystem::path file = freeName(options_.saveFolder, model_.name(), "-path.json");
+    if (auto written = writeOutputFile(file, recordedPathJson(path)); !written)
+      return say(written.error().message);
+    tally_.saved.push_back(file.string());
+    say("saved " + file.string());
   }
 
   void copyCommand() {
@@ -368,6 +389,7 @@ class Viewer {
   std::unique_ptr<CatalogueWatch> watch_;
   std::unique_ptr<OrbitControls> controls_;  // null until a model is known
   DetailGovernor governor_{kPictureBudgetMs};
+  std::optional<PathRecorder> recorder_;  // while the camera is recorded
   std::shared_ptr<const RenderCommandOptions> look_;
   std::optional<PictureOrder> ordered_;
   std::optional<Picture> shown_;

@@ -356,16 +356,10 @@ Camera LightClient::cameraAt(const Channel& channel, double nowMs) const {
         phase.fovDegrees);
   }
   // Played in a loop; the last camera stands as long as the step before it.
-  const std::vector<RecordedCamera>& path = phase.recorded;
+  const RecordedPath& path = phase.recorded;
   const double lastStep =
       path.size() > 1 ? path.back().seconds - path[path.size() - 2].seconds : 1.0;
-  const double length = path.back().seconds - path.front().seconds + lastStep;
-  const double moment = path.front().seconds + std::fmod(std::max(seconds, 0.0), length);
-  const auto after =
-      std::upper_bound(path.begin(), path.end(), moment, [](double t, const RecordedCamera& entry) {
-        return t < entry.seconds;
-      });
-  return after == path.begin() ? path.front().camera : std::prev(after)->camera;
+  return limn::cameraAt(path, std::fmod(std::max(seconds, 0.0), durationOf(path) + lastStep));
 }
 
 }  // namespace limn::load

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/load/script.h"
 
-#include <nlohmann/json.hpp>
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -142,61 +141,6 @@ Result<std::string> readFile(const std::filesystem::path& file) {
   return std::string(std::istreambuf_iterator<char>(stream), {});
 }
 
-std::optional<glm::dvec3> vectorFrom(const nlohmann::json& json) {
-  if (!json.is_array() || json.size() != 3) return std::nullopt;
-  glm::dvec3 v;
-  for (int i = 0; i < 3; ++i) {
-    if (!json[i].is_number()) return std::nullopt;
-    v[i] = json[i].get<double>();
-  }
-  return v;
-}
-
-/// One camera (the --camera-file format) or an array of them, each with "t" in seconds.
-Result<std::vector<RecordedCamera>> readCameraPath(const std::filesystem::path& file) {
-  const auto text = readFile(file);
-  if (!text) return tl::unexpected(text.error());
-  const auto bad = [&](const std::string& what) {
-    return fail(
-        ErrorCode::kCorrupt,
-        file.string() + ": " + what +
-            "; a camera path is [{\"t\":0,\"eye\":[x,y,z],\"target\":[x,y,z],\"up\":[x,y,z],"
-            "\"fov\":40},…]");
-  };
-  const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-  if (json.is_discarded()) return bad("not JSON");
-  const nlohmann::json cameras = json.is_object() ? nlohmann::json::array({json}) : json;
-  if (!cameras.is_array() || cameras.empty()) return bad("no cameras");
-  std::vector<RecordedCamera> path;
-  for (const nlohmann::json& entry : cameras) {
-    if (!entry.is_object()) return bad("an entry is not an object");
-    RecordedCamera moment;
-    const auto eye = vectorFrom(entry.value("eye", nlohmann::json()));
-    const auto target = vectorFrom(entry.value("target", nlohmann::json()));
-    if (!eye || !target) return bad("an entry lacks eye or target");
-    moment.camera.eye = *eye;
-    moment.camera.target = *target;
-    if (const auto up = vectorFrom(entry.value("up", nlohmann::json()))) moment.camera.up = *up;
-    const nlohmann::json fov = entry.value("fov", nlohmann::json(40.0));
-    const nlohmann::json ortho = entry.value("ortho", nlohmann::json(false));
-    const nlohmann::json seconds = entry.value("t", nlohmann::json(0.1 * double(path.size())));
-    if (!fov.is_number() || !ortho.is_boolean() || !seconds.is_number()) {
-      return bad("fov and t are numbers, ortho is true or false");
-    }
-    moment.camera.fovDegrees = fov.get<double>();
-    moment.camera.orthographic = ortho.get<bool>();
-    moment.seconds = seconds.get<double>();
-    const glm::dvec3 side = glm::cross(moment.camera.target - moment.camera.eye, moment.camera.up);
-    if (!(glm::dot(side, side) > 0.0)) return bad("a camera looks along its up direction");
-    if (!(moment.camera.fovDegrees > 0.0 && moment.camera.fovDegrees < 180.0)) {
-      return bad("fov must lie between 0 and 180 degrees");
-    }
-    if (!path.empty() && !(moment.seconds > path.back().seconds)) return bad("t must grow");
-    path.push_back(moment);
-  }
-  return path;
-}
-
 Result<Phase> parsePhase(const toml::table& table, const std::filesystem::path& folder) {
   Phase phase;
   std::string behaviour = "normal";
@@ -237,7 +181,7 @@ Result<Phase> parsePhase(const toml::table& table, const std::filesystem::path& 
   }
   if (phase.behaviour == Behaviour::kSlowReader && phase.linkKbps == 0.0) phase.linkKbps = 32.0;
   if (phase.path != "orbit") {
-    auto recorded = readCameraPath(folder / phase.path);
+    auto recorded = readRecordedPath(folder / phase.path);
     if (!recorded) return tl::unexpected(recorded.error());
     phase.recorded = std::move(*recorded);
   }

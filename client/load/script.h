@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "shared/core/camera.h"
+#include "client/pose/recorded_path.h"
+
 #include "shared/core/result.h"
 
 #include <cstdint>
@@ -24,21 +25,15 @@ enum class Behaviour : std::uint8_t {
   kMalformed,   // sends bytes that are no message, comes back after being thrown out
 };
 
-/// One moment of a recorded camera path.
-struct RecordedCamera {
-  double seconds = 0.0;  // since the path began
-  Camera camera;
-};
-
 /// A group of equal clients. Times in seconds, angles in degrees.
 struct Phase {
   std::uint32_t clients = 1;
   double rampSeconds = 0.0;   // the clients start evenly spread over it
   double holdSeconds = 10.0;  // from the end of the ramp
   std::string model;
-  std::vector<std::string> also;         // more models, opened beside it on the same connection
-  std::string path = "orbit";            // "orbit", or the file that `recorded` came from
-  std::vector<RecordedCamera> recorded;  // empty: orbit; otherwise played in a loop
+  std::vector<std::string> also;  // more models, opened beside it on the same connection
+  std::string path = "orbit";     // "orbit", or the file that `recorded` came from
+  RecordedPath recorded;          // empty: orbit; otherwise played in a loop
   double speedDegreesPerSecond = 15.0;
   double elevationDegrees = 20.0;
   double distanceRadii = 3.0;

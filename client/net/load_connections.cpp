@@ -248,7 +248,10 @@ Result<std::unique_ptr<LoadConnections>> LoadConnections::create(
   info.protocols = protocols.data();
   info.user = impl.get();
   info.fd_limit_per_thread = static_cast<unsigned int>(files);
-  if (impl->address.tls) info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
+  if (impl->address.tls) {
+    info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
+    if (!impl->options.caFile.empty()) info.client_ssl_ca_filepath = impl->options.caFile.c_str();
+  }
   impl->context = lws_create_context(&info);
   if (impl->context == nullptr) {
     return fail(ErrorCode::kNetwork, "libwebsockets could not start");

@@ -33,6 +33,7 @@ class LoadConnections {
   struct Options {
     std::string url;     // ws:// or wss://HOST[:PORT][/PATH]
     std::string token;   // Authorization: Bearer; empty: none
+    std::string caFile;  // PEM certificates to trust for wss besides the system's; empty: none
     std::string origin;  // Origin header; empty: none
     std::size_t maxConnections = 1000;
     std::size_t maxMessageBytes = 0;  // longer messages close the connection

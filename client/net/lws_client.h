@@ -20,7 +20,8 @@ clientContextInfo(const LwsConnectionOptions& server, const lws_protocols* proto
   info.port = CONTEXT_PORT_NO_LISTEN;
   info.protocols = protocols;
   info.user = user;
-  info.fd_limit_per_thread = 16;  // else lws sizes its tables by ulimit -n
+  info.pt_serv_buf_size = 8 * 1024;  // a request with a token must fit
+  info.fd_limit_per_thread = 16;     // else lws sizes its tables by ulimit -n
   if (server.url.tls) {
     info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
     if (!server.caFile.empty()) info.client_ssl_ca_filepath = server.caFile.c_str();

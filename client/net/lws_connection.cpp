@@ -93,7 +93,7 @@ class LwsConnection final : public Connection {
     info.ietf_version_or_minus_one = -1;
     if (options_.url.tls) info.ssl_connection = LCCSCF_USE_SSL;
     info.pwsi = &wsi_;
-    if (lws_client_connect_via_info(&info) == nullptr) lost(describeConnectError({}));
+    if (lws_client_connect_via_info(&info) == nullptr) lost(describeConnectError({}, 0));
   }
 
   int on(lws* wsi, lws_callback_reasons reason, void* in, std::size_t length) {
@@ -121,7 +121,8 @@ class LwsConnection final : public Connection {
       case LWS_CALLBACK_CLIENT_CONNECTION_ERROR:
         lost(describeConnectError(
             in == nullptr ? std::string_view{}
-                          : std::string_view(static_cast<const char*>(in), length)));
+                          : std::string_view(static_cast<const char*>(in), length),
+            static_cast<int>(lws_http_client_http_response(wsi))));
         return 0;
       case LWS_CALLBACK_CLIENT_CLOSED:
         lost(describeClose());
@@ -172,10 +173,20 @@ class LwsConnection final : public Connection {
     return 0;
   }
 
-  [[nodiscard]] std::string describeConnectError(std::string_view detail) const {
+  /// status: of the server's answer to the upgrade; 0: there was none.
+  [[nodiscard]] std::string describeConnectError(std::string_view detail, int status) const {
     std::string what = "cannot connect to " + options_.url.text();
-    if (detail.find("unauthorized") != std::string_view::npos) {
-      return what + ": the server asks for another token, give it with --token-file";
+    if (status == 401 || detail.find("unauthorized") != std::string_view::npos) {
+      return what + (options_.token.empty()
+                         ? ": the server asks for a token, give it with --token-file"
+                         : ": the server does not take this token (another server's, or expired), "
+                           "give a new one with --token-file");
+    }
+    if (status == 429) {
+      return what + ": the server allows no more connections from this address; close others";
+    }
+    if (status == 503) {
+      return what + ": the server is full or going down; try again later";
     }
     if (!detail.empty()) what += " (" + std::string(detail) + ")";
     return what + ": check the address and that limn-server runs there";

@@ -66,6 +66,7 @@ struct RenderOptions {
   std::optional<double> widthPx;          // stroke width; the style's own when unset
   std::optional<double> widthModelUnits;  // instead: goes with distance as the model does
   double widthFalloff = 0.0;  // of a width in pixels: 0 the same everywhere, 1 as the model
+  double textureSize = 1.0;   // times as long as the style has a texture's repeats
   Brush brush;                // leads strokes off their lines
   HiddenLines hidden = HiddenLines::kStyle;
   std::optional<glm::vec3> lineColor;  // sRGB 0 … 1; the style's own when unset. Not of strokes

@@ -162,6 +162,9 @@ Result<Frame> Renderer::Impl::render(
   if (options.widthPx && !(*options.widthPx >= 0.1 && *options.widthPx <= 256.0)) {
     return fail(ErrorCode::kInvalidArgument, "a line's width must be 0.1 to 256 pixels");
   }
+  if (!(options.textureSize >= 0.1 && options.textureSize <= 10.0)) {
+    return fail(ErrorCode::kInvalidArgument, "a texture's size must be 0.1 to 10 times its own");
+  }
   if (auto current = context->makeCurrent(); !current) return tl::unexpected(current.error());
   const auto loaded = styles.load(api(), options.style);
   if (!loaded) return tl::unexpected(loaded.error());

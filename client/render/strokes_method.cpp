@@ -64,10 +64,11 @@ StrokesMethod::draw(const DrawRequest& request, const gl::Target& picture, Frame
       request.snapshot.model.grid,
       request.camera,
       options.viewport};
+  const StrokeStyle style = withTextureSize(request.style.style, options.textureSize);
   const BuiltStrokes strokes = builder_.build(
       request.lines,
       scene,
-      request.style.style,
+      style,
       {.widthPx = request.lineWidthPx(),
        .widthFalloff = options.widthModelUnits ? 1.0F : static_cast<float>(options.widthFalloff),
        .brush = options.brush,

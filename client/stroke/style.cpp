@@ -133,4 +133,10 @@ Result<StrokeStyle> parseStyle(std::string_view text) {
   return style;
 }
 
+StrokeStyle withTextureSize(StrokeStyle style, double factor) {
+  for (StrokeTexture* texture : {&style.visible, &style.hidden})
+    texture->lengthPx *= static_cast<float>(factor);
+  return style;
+}
+
 }  // namespace limn

@@ -40,6 +40,9 @@ struct StrokeStyle {
 /// Errors: kCorrupt, with the key or line.
 [[nodiscard]] Result<StrokeStyle> parseStyle(std::string_view toml);
 
+/// The style with its textures' repeats that many times as long.
+[[nodiscard]] StrokeStyle withTextureSize(StrokeStyle style, double factor);
+
 /// `#rrggbb` as sRGB 0 … 1. Errors: kInvalidArgument.
 [[nodiscard]] Result<glm::vec3> parseColor(std::string_view text);
 

@@ -24,6 +24,7 @@ void visitMembers(Memory& memory, Visit visit) {
   visit("brush", c.brush);
   visit("hidden", c.hidden);
   visit("width_px", c.widthPx);
+  visit("texture_size", c.textureSize);
   visit("orthographic", c.orthographic);
   visit("fov", c.fovDegrees);
   visit("light", c.hasLight);
@@ -68,7 +69,9 @@ std::vector<std::string> flagsOf(const ViewChoices& choices) {
       "--hidden",
       choices.hidden,
       "--fov",
-      number(choices.fovDegrees)};
+      number(choices.fovDegrees),
+      "--texture-size",
+      number(choices.textureSize)};
   if (choices.widthPx > 0.0) flags.insert(flags.end(), {"--width", number(choices.widthPx)});
   if (choices.orthographic) flags.emplace_back("--ortho");
   return flags;
@@ -118,6 +121,7 @@ ViewMemory viewMemoryFromJson(std::string_view text) {
   ViewChoices& choices = memory.choices;
   choices.fovDegrees = std::clamp(choices.fovDegrees, 5.0, 120.0);
   choices.widthPx = std::clamp(choices.widthPx, 0.0, 50.0);
+  choices.textureSize = std::clamp(choices.textureSize, 0.1, 10.0);
   memory.width = std::clamp(memory.width, 320, 8192);
   memory.height = std::clamp(memory.height, 240, 8192);
   return memory;

@@ -18,6 +18,7 @@ struct ViewChoices {
   std::string brush = "none";
   std::string hidden = "style";
   double widthPx = 0.0;  // 0: the style's own
+  double textureSize = 1.0;
   bool orthographic = false;
   double fovDegrees = 40.0;
   /// Silhouettes as a light sees them, which turns about the model's centre, three radii away.

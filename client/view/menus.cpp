@@ -79,7 +79,7 @@ struct Key {
   void (*act)(const MenuFacts& facts, ViewChoices& choices, MenuActions& actions);
 };
 
-const std::array<Key, 15> kKeys = {{
+const std::array<Key, 16> kKeys = {{
     {GLFW_KEY_H, "H", "whole model", [](auto&, auto&, auto& a) { a.home = true; }},
     {GLFW_KEY_N,
      "N",
@@ -121,6 +121,10 @@ const std::array<Key, 15> kKeys = {{
     {GLFW_KEY_M, "M", "menu", [](auto&, auto& c, auto&) { c.showsMenu = !c.showsMenu; }},
     {GLFW_KEY_P, "P", "save a picture (PNG)", [](auto&, auto&, auto& a) { a.savePng = true; }},
     {GLFW_KEY_V, "V", "save vectors (SVG)", [](auto&, auto&, auto& a) { a.saveSvg = true; }},
+    {GLFW_KEY_R,
+     "R",
+     "record the camera's path, or stop",
+     [](auto&, auto&, auto& a) { a.record = true; }},
     {GLFW_KEY_Q, "Q", "quit", [](auto&, auto&, auto& a) { a.quit = true; }},
 }};
 
@@ -164,6 +168,7 @@ void showChoices(const MenuFacts& facts, ViewChoices& c) {
   if (ImGui::CollapsingHeader("Lines")) {
     combo("style", facts.styles, c.style);
     sliderDouble("width", 0.0, 12.0, c.widthPx > 0.0 ? "%.1f px" : "the style's", c.widthPx);
+    sliderDouble("texture size", 0.25, 4.0, "%.2f x", c.textureSize);
     combo("brush", kBrushes, c.brush);
     combo("hidden lines", kHidden, c.hidden);
     combo("silhouettes", kSilhouettes, c.silhouette);
@@ -189,11 +194,13 @@ void showChoices(const MenuFacts& facts, ViewChoices& c) {
   }
 }
 
-void showFiles(MenuActions& actions) {
+void showFiles(const MenuFacts& facts, MenuActions& actions) {
   if (!ImGui::CollapsingHeader("Save")) return;
   if (ImGui::Button("picture (PNG)")) actions.savePng = true;
   ImGui::SameLine();
   if (ImGui::Button("vectors (SVG)")) actions.saveSvg = true;
+  if (ImGui::Button(facts.isRecording ? "stop recording" : "record camera path"))
+    actions.record = true;
   if (ImGui::Button("copy as command line")) actions.copyCommand = true;
 }
 
@@ -218,6 +225,7 @@ void showStatus(const MenuFacts& facts, MenuActions& actions) {
           facts.faces,
           static_cast<double>(facts.bytes) / 1000.0);
       ImGui::ProgressBar(static_cast<float>(facts.share), {240.0F, 4.0F}, "");
+      if (facts.isRecording) ImGui::TextUnformatted("recording the camera (R ends it)");
       if (!facts.notice.empty()) ImGui::TextUnformatted(facts.notice.c_str());
     }
     if (!facts.message.empty()) ImGui::TextUnformatted(facts.message.c_str());
@@ -270,7 +278,7 @@ MenuActions Menus::show(const MenuFacts& facts, ViewChoices& choices) {
       ImGui::PushItemWidth(kItemWidth);
       showModels(facts, actions);
       showChoices(facts, choices);
-      showFiles(actions);
+      showFiles(facts, actions);
       ImGui::Checkbox("timings", &choices.showsTimings);
       ImGui::SameLine();
       if (ImGui::Button("keys (F1)")) showsHelp_ = true;

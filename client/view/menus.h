@@ -30,7 +30,8 @@ struct MenuFacts {
   int width = 0, height = 0, supersample = 0;
   std::string gl;
 
-  std::string message;  // passing: "saved …"
+  std::string message;       // passing: "saved …"
+  bool isRecording = false;  // the camera's path
 };
 
 /// What the user asked for besides changing the choices.
@@ -40,6 +41,7 @@ struct MenuActions {
   bool savePng = false;
   bool saveSvg = false;
   bool copyCommand = false;
+  bool record = false;  // begin to, or end it
   bool retry = false;
   bool quit = false;
 };

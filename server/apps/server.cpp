@@ -2,6 +2,7 @@
 #include "server/apps/background_preparation.h"
 #include "server/apps/inspect.h"
 #include "server/apps/service_manager.h"
+#include "server/apps/token.h"
 #include "server/session/model_library.h"
 #include "server/session/session.h"
 #include "server/session/view_cells.h"
@@ -33,6 +34,8 @@ constexpr char kExamples[] =
     "  limn-server --store assets --models meshes\n"
     "  limn-server --store assets --listen 0.0.0.0:8600 --token-file tokens.txt\n"
     "  limn-server --store assets --listen 127.0.0.1:0 --metrics-listen 127.0.0.1:9600\n"
+    "  limn-server token --key-file keys --models 'dragon,team-*'   (a token; has a --help of its "
+    "own)\n"
     "  limn-server inspect dragon --store assets     (where the bytes go; has a --help of its own)";
 
 struct Arguments {
@@ -43,9 +46,16 @@ struct Arguments {
   std::string tlsCertificate;
   std::string tlsKey;
   std::string tokenFile;
+  std::string tokenKeyFile;
   std::vector<std::string> origins;
   std::size_t maxClients = 10'000;
-  std::size_t maxClientsPerAddress = 0;
+  std::size_t maxClientsPerAddress = TransportLimits{}.maxClientsPerAddress;
+  std::int64_t handshakeMs = TransportLimits{}.handshakeMs;
+  std::size_t maxMessageBytes = TransportLimits{}.maxMessageBytes;
+  std::uint32_t messagesPerSecond = TransportLimits{}.messagesPerSecond;
+  double posesPerSecond = SessionOptions{}.posesPerSecond;
+  std::uint64_t windowKib = SessionOptions{}.windowBytes / 1024;
+  std::int64_t progressMs = TransportLimits{}.progressMs;
   std::int64_t prefetchAfterMs = 1000;
   std::int64_t drainMs = 20'000;
   std::size_t workers = 0;
@@ -102,9 +112,20 @@ Result<TransportOptions> transportOptions(const Arguments& arguments) {
     if (!tokens) return tl::unexpected(tokens.error().within("--token-file"));
     options.access.tokens = std::move(*tokens);
   }
+  if (!arguments.tokenKeyFile.empty()) {
+    const auto text = readText(arguments.tokenKeyFile);
+    if (!text) return tl::unexpected(text.error());
+    auto keys = parseTokenKeys(*text);
+    if (!keys) return tl::unexpected(keys.error().within("--token-key-file"));
+    options.access.keys = std::move(*keys);
+  }
   options.access.origins = arguments.origins;
-  options.access.maxClients = arguments.maxClients;
-  options.access.maxClientsPerAddress = arguments.maxClientsPerAddress;
+  options.limits.maxClients = arguments.maxClients;
+  options.limits.maxClientsPerAddress = arguments.maxClientsPerAddress;
+  options.limits.handshakeMs = arguments.handshakeMs;
+  options.limits.maxMessageBytes = arguments.maxMessageBytes;
+  options.limits.messagesPerSecond = arguments.messagesPerSecond;
+  options.limits.progressMs = arguments.progressMs;
   options.drainMs = arguments.drainMs;
   return options;
 }
@@ -141,6 +162,8 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
   ViewCells cells(workers, {.cacheBytes = arguments.targetCacheMib << 20});
   SessionOptions sessionOptions;
   sessionOptions.prefetchAfterMs = arguments.prefetchAfterMs;
+  sessionOptions.posesPerSecond = arguments.posesPerSecond;
+  sessionOptions.windowBytes = arguments.windowKib * 1024;
   if (arguments.randomOrder >= 0) {
     sessionOptions.randomSeed = static_cast<std::uint64_t>(arguments.randomOrder);
   }
@@ -162,6 +185,25 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
     manager.tick(nowMs);
   };
   handlers.woken = [&] { workers.runDone(); };
+  handlers.happened = [](const TransportEvent& event) {
+    switch (event.kind) {
+      case TransportEvent::Kind::kOpened:
+        spdlog::debug("connection {} from {}", event.connection, event.address);
+        break;
+      case TransportEvent::Kind::kClosed:
+        spdlog::info(
+            "connection {} from {} ended after {:.1f} s and {} bytes ({})",
+            event.connection,
+            event.address,
+            event.seconds,
+            event.payloadBytes,
+            event.why);
+        break;
+      case TransportEvent::Kind::kRefused:
+        spdlog::warn("{} was refused ({})", event.address, event.why);
+        break;
+    }
+  };
   handlers.status = [&] {
     ServerStatus status;
     status.version = LIMN_VERSION;
@@ -210,6 +252,11 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
     std::cout << "limn-server: metrics on http://" << options.metricsListen->host << ':'
               << transport->metricsPort() << "/metrics" << std::endl;
   }
+  const bool local = options.listen.host == "::1" || options.listen.host.starts_with("127.");
+  if (options.access.guarded() && options.tlsCertificate.empty() && !local) {
+    spdlog::warn(
+        "tokens travel unencrypted: give --tls-cert and --tls-key, or have a proxy do TLS");
+  }
   manager.ready("listening on port " + std::to_string(transport->port()));
   transport->run();
   preparation.stop();
@@ -234,6 +281,10 @@ int run(int argc, char** argv) {
       "--token-file",
       arguments.tokenFile,
       "Bearer tokens that clients may connect with, one a line");
+  app.add_option(
+      "--token-key-file",
+      arguments.tokenKeyFile,
+      "Keys that sign tokens with rights and an expiry (limn-server token), one a line");
   app.add_option("--origin", arguments.origins, "Hosts whose browser pages may connect");
   app.add_option("--max-clients", arguments.maxClients, "Connections at most")
       ->capture_default_str();
@@ -241,6 +292,39 @@ int run(int argc, char** argv) {
          "--max-clients-per-address",
          arguments.maxClientsPerAddress,
          "Connections from one address at most; 0: no limit")
+      ->capture_default_str();
+  app.add_option(
+         "--handshake-ms",
+         arguments.handshakeMs,
+         "Time from a connection to its request and Hello")
+      ->check(CLI::Range(100, 600'000))
+      ->capture_default_str();
+  app.add_option(
+         "--max-message-bytes",
+         arguments.maxMessageBytes,
+         "Size of a client's message at most")
+      ->check(CLI::Range(std::size_t{1024}, limits::kMaxClientMessageBytes))
+      ->capture_default_str();
+  app.add_option(
+         "--messages-per-second",
+         arguments.messagesPerSecond,
+         "Messages from a client at most, besides one for each KiB sent to it")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option(
+         "--poses-per-second",
+         arguments.posesPerSecond,
+         "Poses of a model that count; of more than that the newest do")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--window-kib", arguments.windowKib, "Unacknowledged payload to a client at most")
+      ->check(CLI::Range(16, 64 * 1024))
+      ->capture_default_str();
+  app.add_option(
+         "--progress-ms",
+         arguments.progressMs,
+         "A client that takes or acknowledges nothing for so long is let go")
+      ->check(CLI::Range(100, 3'600'000))
       ->capture_default_str();
   app.add_option(
          "--prefetch-after-ms",
@@ -287,6 +371,9 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "inspect") {
     return limn::inspectCommand(argc - 1, argv + 1);
+  }
+  if (argc > 1 && std::string_view(argv[1]) == "token") {
+    return limn::tokenCommand(argc - 1, argv + 1);
   }
   return limn::run(argc, argv);
 }

@@ -3,10 +3,13 @@
 
 namespace limn {
 
-std::vector<std::uint8_t> catalogueMessageOf(const std::vector<CatalogueItem>& items) {
+std::vector<std::uint8_t> catalogueMessageOf(
+    const std::vector<CatalogueItem>& items,
+    const Grant* grant) {
   protocol::Catalogue catalogue;
   catalogue.models.reserve(items.size());
   for (const CatalogueItem& item : items) {
+    if (grant != nullptr && !grant->allows(item.name)) continue;
     protocol::CatalogueEntry entry;
     entry.name = item.name;
     entry.state = item.state;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "server/session/grant.h"
 #include "server/session/model.h"
 
 #include "protocol/messages.h"
@@ -29,8 +30,10 @@ struct CatalogueItem {
   bool hasHull = false;
 };
 
-/// One encoded Catalogue message.
-[[nodiscard]] std::vector<std::uint8_t> catalogueMessageOf(const std::vector<CatalogueItem>& items);
+/// One encoded Catalogue message of what a grant allows to be seen; nullptr: of everything.
+[[nodiscard]] std::vector<std::uint8_t> catalogueMessageOf(
+    const std::vector<CatalogueItem>& items,
+    const Grant* grant = nullptr);
 
 /// Where sessions get models from. Loop thread only.
 class ModelSource {

@@ -13,6 +13,7 @@ namespace {
 
 /// How closely the way ahead is looked at: a cell is passed in about 0.4 s at 15 degrees a second.
 constexpr std::int64_t kAheadStepMs = 150;
+constexpr double kPoseBurst = 16.0;  // poses that a network brings at once
 /// What is only prefetched leaves this much of a client's room free, in quarters.
 constexpr std::uint32_t kAheadQuarters = 3;
 constexpr std::uint32_t kNoLimit = 0xFFFFFFFF;
@@ -24,7 +25,8 @@ Channel::Channel(Request request, std::uint32_t vertexCount, const SessionOption
       options_(options),
       have_(vertexCount),
       rng_(options.randomSeed.value_or(0)),
-      awaitingHaveSet_(request_.resume) {}
+      awaitingHaveSet_(request_.resume),
+      poseRate_(options.posesPerSecond, kPoseBurst) {}
 
 Result<void> Channel::setModel(std::shared_ptr<const Model> model) {
   if (model->forest().vertexCount() != have_.vertexCount()) {
@@ -80,7 +82,24 @@ bool Channel::resting(std::int64_t nowMs) const {
   return nowMs - poseAtMs_ >= options_.restMs;
 }
 
-void Channel::pose(const protocol::Pose& pose, ViewCells& cells, std::int64_t nowMs) {
+bool Channel::pose(const protocol::Pose& pose, ViewCells& cells, std::int64_t nowMs) {
+  const bool lost = heldPose_.has_value();
+  heldPose_ = pose;
+  static_cast<void>(takeHeldPose(cells, nowMs));
+  return !lost;
+}
+
+bool Channel::takeHeldPose(ViewCells& cells, std::int64_t nowMs) {
+  if (!heldPose_ || !poseRate_.take(nowMs)) return false;
+  takeHeldPoseNow(cells, nowMs);
+  return true;
+}
+
+void Channel::takeHeldPoseNow(ViewCells& cells, std::int64_t nowMs) {
+  if (heldPose_) take(*std::exchange(heldPose_, std::nullopt), cells, nowMs);
+}
+
+void Channel::take(const protocol::Pose& pose, ViewCells& cells, std::int64_t nowMs) {
   const bool sameEye = pose_ && sameView(*pose_, pose);
   const bool same = sameEye && pose_->goal == pose.goal;
   if (!same) jumped_ = !pose_ || sameEye || resting(nowMs);

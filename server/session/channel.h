@@ -6,6 +6,7 @@
 #include "server/session/hull_stream.h"
 #include "server/session/model.h"
 #include "server/session/motion.h"
+#include "server/session/rate_limit.h"
 #include "server/session/scheduler.h"
 #include "server/session/view_cells.h"
 #include "server/session/window.h"
@@ -30,6 +31,7 @@ struct SessionOptions {
   std::int64_t restMs = 250;                // a pose this old is resting
   std::int64_t prefetchAfterMs = 1000;      // a pose this old gets everything; < 0: never
   std::int64_t aheadMs = 1500;              // how far a motion is followed ahead; 0: not at all
+  double posesPerSecond = 60.0;             // of a channel; of more than that the newest count
   std::optional<std::uint64_t> randomSeed;  // test mode: splits in random legal order
 };
 
@@ -84,7 +86,13 @@ class Channel {
 
   /// Errors: kCorrupt (another asset: stale), kProtocol (not closed, out of order, not expected).
   [[nodiscard]] Result<void> haveSet(const protocol::HaveSet& piece);
-  void pose(const protocol::Pose& pose, ViewCells& cells, std::int64_t nowMs);
+  /// Takes a pose; more than posesPerSecond are held back, and of those the newest is kept. False
+  /// when another one was lost for it.
+  bool pose(const protocol::Pose& pose, ViewCells& cells, std::int64_t nowMs);
+  /// Takes the pose that is held back if it is its turn. True when it did.
+  bool takeHeldPose(ViewCells& cells, std::int64_t nowMs);
+  /// Takes it whatever the rate: what follows builds on it.
+  void takeHeldPoseNow(ViewCells& cells, std::int64_t nowMs);
   /// Drops what can go and queues the answer. Errors: kProtocol (not an id set of splits held, or
   /// the last Drop's answer is still to be sent).
   [[nodiscard]] Result<void> drop(protocol::Bytes ids);
@@ -140,6 +148,7 @@ class Channel {
     kEverything,
   };
 
+  void take(const protocol::Pose& pose, ViewCells& cells, std::int64_t nowMs);
   [[nodiscard]] bool resting(std::int64_t nowMs) const;
   [[nodiscard]] HaveSet haveAfterStart() const;
   [[nodiscard]] bool planIsFinal() const;
@@ -202,6 +211,8 @@ class Channel {
   bool contourFailed_ = false;                         // too large for a message, or no mesh
 
   // The pose and what it needs.
+  std::optional<protocol::Pose> heldPose_;  // until it is its turn
+  RateLimit poseRate_;
   std::optional<protocol::Pose> pose_;
   std::int64_t poseAtMs_ = 0;
   bool inView_ = true;

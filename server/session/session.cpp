@@ -21,9 +21,14 @@ protocol::WireError wireErrorOf(const Error& error) {
 
 }  // namespace
 
-Session::Session(SessionShared& shared, Peer& peer, std::int64_t nowMs)
+Session::Session(
+    SessionShared& shared,
+    Peer& peer,
+    std::int64_t nowMs,
+    std::shared_ptr<const Grant> grant)
     : shared_(shared),
       peer_(peer),
+      grant_(std::move(grant)),
       bornMs_(nowMs),
       nowMs_(nowMs),
       window_({.mostBytes = shared.options.windowBytes}) {}
@@ -47,6 +52,7 @@ void Session::refuse(protocol::WireError code, std::int16_t channel, const std::
   refusals_.push_back(protocol::encodeMessage(failure));
   if (channel < 0 || refusals_.size() > kMaxRefusals) {
     close_ = Close::kProtocolError;
+    closeReason_ = why;
     channels_.clear();
   }
 }
@@ -65,9 +71,28 @@ void Session::receive(protocol::Bytes message, std::int64_t nowMs) {
   } else if (!greeted_ && decoded->as<protocol::Hello>() == nullptr) {
     refuse(protocol::WireError::kState, -1, "the first message must be Hello");
   } else {
+    if (decoded->as<protocol::Pose>() == nullptr &&
+        decoded->as<protocol::Acknowledge>() == nullptr) {
+      // What comes after a pose may build on it.
+      for (const auto& channel : channels_)
+        channel->takeHeldPoseNow(shared_.cells, nowMs_);
+    }
     std::visit([this](const auto& body) { handle(body); }, decoded->body);
   }
   peer_.wantWrite();
+}
+
+void Session::refuseForLimit(const std::string& why) {
+  if (close_) return;
+  refuse(protocol::WireError::kLimit, -1, why);
+  peer_.wantWrite();
+}
+
+bool Session::takePoses() {
+  bool any = false;
+  for (const auto& channel : channels_)
+    any = channel->takeHeldPose(shared_.cells, nowMs_) || any;
+  return any;
 }
 
 void Session::handle(const protocol::Hello& hello) {
@@ -89,7 +114,9 @@ void Session::handle(const protocol::Open& open) {
         open.channel,
         "at most " + std::to_string(shared_.options.maxChannels) + " models a connection");
   }
-  const ModelSource::Lookup lookup = shared_.models.find(name);
+  // A model that may not be seen is not told from one that is not there.
+  const ModelSource::Lookup lookup =
+      mayOpen(name) ? shared_.models.find(name) : ModelSource::Lookup{};
   switch (lookup.availability) {
     case ModelSource::Availability::kNotFound:
       return refuse(
@@ -163,7 +190,10 @@ void Session::handle(const protocol::HaveSet& piece) {
 
 void Session::handle(const protocol::Pose& pose) {
   // A pose may cross the Error that closed its channel.
-  if (Channel* channel = find(pose.channel)) channel->pose(pose, shared_.cells, nowMs_);
+  Channel* channel = find(pose.channel);
+  if (channel == nullptr) return;
+  ++shared_.poses;
+  if (!channel->pose(pose, shared_.cells, nowMs_)) ++shared_.posesReplaced;
 }
 
 void Session::handle(const protocol::Acknowledge& acknowledge) {
@@ -210,7 +240,7 @@ void Session::handle(const protocol::GetContour& request) {
 void Session::update(std::int64_t nowMs) {
   nowMs_ = nowMs;
   if (close_) return;
-  bool more = false;
+  bool more = takePoses();
   for (std::size_t i = 0; i < channels_.size();) {
     Channel& channel = *channels_[i];
     if (channel.loading()) {
@@ -252,12 +282,13 @@ std::optional<OutMessage> Session::nextMessage(std::int64_t nowMs) {
   if (close_) return std::nullopt;
   if (catalogueWanted_) {
     catalogueWanted_ = false;
-    out.owned = catalogueMessageOf(shared_.models.catalogue());
+    out.owned = catalogueMessageOf(shared_.models.catalogue(), grant_.get());
     return out;
   }
   for (const auto& channel : channels_) {
     if (channel->loading() && !tryLoad(*channel)) return nextMessage(nowMs);
   }
+  static_cast<void>(takePoses());
   auto message = nextPayload();
   if (message && message->payload) window_.sent(message->bytes().size(), nowMs);
   return message;
@@ -307,6 +338,7 @@ void Session::drain(std::uint32_t retryAfterMs) {
   refusals_.push_back(protocol::encodeMessage(failure));
   channels_.clear();
   close_ = Close::kGoingAway;
+  closeReason_ = failure.message;
   peer_.wantWrite();
 }
 

@@ -3,6 +3,7 @@
 
 #include "server/session/catalogue.h"
 #include "server/session/channel.h"
+#include "server/session/grant.h"
 #include "server/session/peer.h"
 #include "server/session/view_cells.h"
 #include "server/session/window.h"
@@ -14,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace limn {
@@ -24,6 +26,9 @@ struct SessionShared {
   ViewCells& cells;
   SessionOptions options;
   std::string serverName = "limn-server";
+  // Counted by sessions.
+  std::uint64_t poses = 0;
+  std::uint64_t posesReplaced = 0;  // by a newer one before it was their turn
 };
 
 /// One connection, from Hello to close: takes in a client's messages, says what goes out next. All
@@ -33,7 +38,12 @@ class Session {
  public:
   enum class Close : std::uint8_t { kProtocolError, kGoingAway };
 
-  Session(SessionShared& shared, Peer& peer, std::int64_t nowMs);
+  /// grant: what the client may see; nullptr: everything.
+  Session(
+      SessionShared& shared,
+      Peer& peer,
+      std::int64_t nowMs,
+      std::shared_ptr<const Grant> grant = nullptr);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
@@ -55,6 +65,17 @@ class Session {
   [[nodiscard]] std::int64_t bornMs() const { return bornMs_; }
 
   [[nodiscard]] std::uint64_t payloadBytes() const { return window_.sentBytes(); }
+
+  /// See Window.
+  [[nodiscard]] std::optional<std::int64_t> waitingSinceMs() const {
+    return window_.waitingSinceMs();
+  }
+
+  /// Why it is to be closed, in a line; empty without a reason.
+  [[nodiscard]] const std::string& closeReason() const { return closeReason_; }
+
+  /// Ends the connection with an Error of code kLimit.
+  void refuseForLimit(const std::string& why);
 
   [[nodiscard]] std::size_t channelCount() const { return channels_.size(); }
 
@@ -82,14 +103,21 @@ class Session {
   [[nodiscard]] Channel* find(std::uint8_t id);
   [[nodiscard]] std::optional<OutMessage> nextPayload();
   bool lookAhead();
+  /// Makes held poses count whose turn it is. True when there was one.
+  bool takePoses();
   /// Queues an Error; channel −1 ends the connection, others the channel.
   void refuse(protocol::WireError code, std::int16_t channel, const std::string& why);
   void closeChannel(std::uint8_t id);
   /// Gives a loading channel its model if it has arrived. False when the channel is gone.
   bool tryLoad(Channel& channel);
 
+  [[nodiscard]] bool mayOpen(std::string_view model) const {
+    return grant_ == nullptr || grant_->allows(model);
+  }
+
   SessionShared& shared_;
   Peer& peer_;
+  std::shared_ptr<const Grant> grant_;
   std::int64_t bornMs_;
   std::int64_t nowMs_;
   bool greeted_ = false;
@@ -97,6 +125,7 @@ class Session {
   bool catalogueWanted_ = false;
   std::deque<std::vector<std::uint8_t>> refusals_;
   std::optional<Close> close_;
+  std::string closeReason_;
   Window window_;
   std::vector<std::unique_ptr<Channel>> channels_;
 };

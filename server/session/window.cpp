@@ -14,6 +14,7 @@ constexpr std::uint64_t kStepBytes = 4096;  // of slow growth, a round trip
 }  // namespace
 
 void Window::sent(std::uint64_t messageBytes, std::int64_t nowMs) {
+  if (inFlightBytes() == 0) progressMs_ = nowMs;
   sentBytes_ += messageBytes;
   // Marks a sixteenth of the largest window apart are enough, and never too many.
   const std::size_t last = (firstMark_ + markCount_ + marks_.size() - 1) % marks_.size();
@@ -35,6 +36,7 @@ Result<void> Window::acknowledge(std::uint64_t totalBytes, std::int64_t nowMs) {
   const bool wasUsed = 2 * inFlightBytes() >= limitBytes_;
   const std::uint64_t arrived = totalBytes - acknowledgedBytes_;
   acknowledgedBytes_ = totalBytes;
+  progressMs_ = nowMs;
   while (markCount_ > 0 && marks_[firstMark_].sentBytes <= acknowledgedBytes_) {
     learn(marks_[firstMark_], nowMs);
     firstMark_ = (firstMark_ + 1) % marks_.size();

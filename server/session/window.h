@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace limn {
 
@@ -48,6 +49,11 @@ class Window {
 
   [[nodiscard]] std::uint64_t sentBytes() const { return sentBytes_; }
 
+  /// Since when nothing of what is on its way was acknowledged; nullopt: nothing is on its way.
+  [[nodiscard]] std::optional<std::int64_t> waitingSinceMs() const {
+    return inFlightBytes() == 0 ? std::nullopt : std::optional(progressMs_);
+  }
+
   [[nodiscard]] std::uint64_t limitBytes() const { return limitBytes_; }
 
  private:
@@ -64,6 +70,7 @@ class Window {
   std::uint64_t limitBytes_;
   std::uint64_t sentBytes_ = 0;
   std::uint64_t acknowledgedBytes_ = 0;
+  std::int64_t progressMs_ = 0;  // of the last acknowledgement, or of what was sent first after all
   std::array<Mark, 16> marks_{};  // of what is on its way, a ring, oldest first
   std::size_t firstMark_ = 0;
   std::size_t markCount_ = 0;

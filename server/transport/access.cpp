@@ -1,23 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/transport/access.h"
 
+#include "shared/core/hmac.h"
+
 #include <arpa/inet.h>
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 namespace limn {
 namespace {
-
-/// Takes the same time whatever `given` is, so that a token cannot be guessed byte by byte.
-bool sameText(std::string_view given, std::string_view secret) {
-  unsigned difference = given.size() == secret.size() ? 0 : 1;
-  for (std::size_t i = 0; i < secret.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(i < given.size() ? given[i] : '\0');
-    difference |= byte ^ static_cast<unsigned char>(secret[i]);
-  }
-  return difference == 0;
-}
 
 /// The host of "scheme://host:port", or of "host:port".
 std::string_view hostOf(std::string_view text) {
@@ -36,23 +29,37 @@ bool sameHost(std::string_view a, std::string_view b) {
   });
 }
 
+bool isAddressOrLocal(std::string_view host) {
+  if (sameHost(host, "localhost") || host.starts_with('[')) return true;
+  in_addr v4{};
+  return inet_pton(AF_INET, std::string(host).c_str(), &v4) == 1;
+}
+
 }  // namespace
 
-bool AccessRules::hasToken(std::string_view authorization) const {
-  if (tokens.empty()) return true;
+Result<std::shared_ptr<const Grant>> AccessRules::admit(
+    std::string_view authorization,
+    std::int64_t nowS) const {
+  if (!guarded()) return nullptr;
   constexpr std::string_view kScheme = "Bearer ";
-  if (!authorization.starts_with(kScheme)) return false;
+  if (!authorization.starts_with(kScheme)) {
+    return fail(ErrorCode::kProtocol, "send Authorization: Bearer TOKEN");
+  }
   authorization.remove_prefix(kScheme.size());
   bool found = false;
   for (const std::string& token : tokens)
-    found |= sameText(authorization, token);
-  return found;
+    found |= sameSecret(authorization, token);
+  if (found) return nullptr;
+  if (keys.empty()) return fail(ErrorCode::kProtocol, "that token is none of this server's");
+  auto grant = verifyToken(authorization, keys, nowS);
+  if (!grant) return tl::unexpected(grant.error());
+  return std::make_shared<const Grant>(std::move(*grant));
 }
 
 bool AccessRules::allowsOrigin(std::string_view origin, std::string_view host) const {
   if (origin.empty()) return true;
   const std::string_view page = hostOf(origin);
-  if (!page.empty() && sameHost(page, hostOf(host))) return true;
+  if (isAddressOrLocal(page) && sameHost(page, hostOf(host))) return true;
   return std::ranges::any_of(origins, [&](const std::string& allowed) {
     return sameHost(page, hostOf(allowed));
   });
@@ -76,22 +83,6 @@ Result<std::vector<std::string>> parseTokens(std::string_view text) {
   }
   if (tokens.empty()) return fail(ErrorCode::kInvalidArgument, "there is no token in it");
   return tokens;
-}
-
-bool ConnectionCounter::enter(const std::string& address, const AccessRules& rules) {
-  if (total_ >= rules.maxClients) return false;
-  std::size_t& mine = byAddress_[address];
-  if (rules.maxClientsPerAddress != 0 && mine >= rules.maxClientsPerAddress) return false;
-  ++mine;
-  ++total_;
-  return true;
-}
-
-void ConnectionCounter::leave(const std::string& address) {
-  const auto found = byAddress_.find(address);
-  if (found == byAddress_.end()) return;
-  --total_;
-  if (--found->second == 0) byAddress_.erase(found);
 }
 
 Result<ListenAddress> parseListenAddress(std::string_view text) {

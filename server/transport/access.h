@@ -1,26 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "server/session/grant.h"
+#include "server/transport/tokens.h"
+
 #include "shared/core/result.h"
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 namespace limn {
 
-/// Who may connect. Pure; compares tokens in constant time.
+/// Who may connect, and what they may see. Pure.
 struct AccessRules {
-  std::vector<std::string> tokens;   // empty: no token asked for
-  std::vector<std::string> origins;  // hosts that browser pages may come from, besides our own
-  std::size_t maxClients = 10'000;
-  std::size_t maxClientsPerAddress = 64;  // 0: no limit
+  std::vector<std::string> tokens;   // each lets everything be seen
+  std::vector<TokenKey> keys;        // sign tokens that say what may be seen, and until when
+  std::vector<std::string> origins;  // hosts that browser pages may come from
 
-  /// authorization: the header, "Bearer TOKEN". True without tokens.
-  [[nodiscard]] bool hasToken(std::string_view authorization) const;
-  /// origin: the header, empty for clients that are no browsers. host: the Host header.
+  /// Whether a token is asked for.
+  [[nodiscard]] bool guarded() const { return !tokens.empty() || !keys.empty(); }
+
+  /// authorization: the header, "Bearer TOKEN". nowS: seconds since 1970. What its sender may see;
+  /// nullptr for everything. Errors: as verifyToken(), in words for the sender.
+  [[nodiscard]] Result<std::shared_ptr<const Grant>> admit(
+      std::string_view authorization,
+      std::int64_t nowS) const;
+
+  /// origin: the header, empty for clients that are no browsers. host: the Host header. A page of
+  /// our own host may connect if that is an address or localhost; a name must be in `origins`, for
+  /// its owner can point any name at us (DNS rebinding).
   [[nodiscard]] bool allowsOrigin(std::string_view origin, std::string_view host) const;
 };
 
@@ -28,20 +39,6 @@ struct AccessRules {
 /// Errors: kInvalidArgument (no token, or one that is shorter than 16 or longer than 512 bytes, or
 /// has blanks or control characters), naming the line.
 [[nodiscard]] Result<std::vector<std::string>> parseTokens(std::string_view text);
-
-/// Counts connections, in all and by address.
-class ConnectionCounter {
- public:
-  /// False, and nothing counted, when a limit is reached.
-  [[nodiscard]] bool enter(const std::string& address, const AccessRules& rules);
-  void leave(const std::string& address);
-
-  [[nodiscard]] std::size_t total() const { return total_; }
-
- private:
-  std::unordered_map<std::string, std::size_t> byAddress_;
-  std::size_t total_ = 0;
-};
 
 /// HOST:PORT, [IPV6]:PORT or :PORT (every interface).
 struct ListenAddress {

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 
 namespace limn {
@@ -34,6 +35,16 @@ class MetricsWriter {
     write(name, help, "counter", static_cast<double>(value));
   }
 
+  void counters(
+      const std::string& name,
+      const char* help,
+      const char* label,
+      const std::map<std::string, std::uint64_t>& values) {
+    header(name.c_str(), help, "counter");
+    for (const auto& [key, value] : values)
+      sample(name + "{" + label + "=\"" + key + "\"}", static_cast<double>(value));
+  }
+
   void header(const char* name, const char* help, const char* type) {
     out_ += std::string("# HELP ") + name + " " + help + "\n# TYPE " + name + " " + type + "\n";
   }
@@ -55,9 +66,67 @@ class MetricsWriter {
 
 }  // namespace
 
-std::string catalogueJson(const std::vector<CatalogueItem>& items) {
+HttpReply refusalReply(Refusal refusal, const std::string& why) {
+  HttpReply reply = text(400, why + "\n");
+  reply.close = true;
+  switch (refusal) {
+    case Refusal::kTotal:
+    case Refusal::kDraining:
+      reply.status = 503;
+      reply.headers = {{"retry-after", "2"}};
+      break;
+    case Refusal::kAddress:
+      reply.status = 429;
+      reply.headers = {{"retry-after", "10"}};
+      break;
+    case Refusal::kToken:
+      reply.status = 401;
+      reply.headers = {{"www-authenticate", "Bearer"}};
+      break;
+    case Refusal::kOrigin:
+      reply.status = 403;
+      break;
+    case Refusal::kRequest:
+      break;
+  }
+  return reply;
+}
+
+std::optional<HttpReply> refuseUpgrade(const UpgradeRequest& request) {
+  if (request.version != "13") {
+    HttpReply reply = refusalReply(Refusal::kRequest, "send Sec-WebSocket-Version: 13");
+    reply.status = 426;
+    reply.headers = {{"sec-websocket-version", "13"}, {"upgrade", "websocket"}};
+    return reply;
+  }
+  // 16 bytes in base64.
+  const auto isDigit = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '+' ||
+           c == '/';
+  };
+  if (request.key.size() != 24 || !request.key.ends_with("==") ||
+      !std::ranges::all_of(request.key.substr(0, 22), isDigit)) {
+    return refusalReply(Refusal::kRequest, "send a Sec-WebSocket-Key of 16 bytes in base64");
+  }
+  for (std::string_view rest = request.protocols; !rest.empty();) {
+    const std::size_t comma = std::min(rest.find(','), rest.size());
+    std::string_view name = rest.substr(0, comma);
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+    while (name.starts_with(' '))
+      name.remove_prefix(1);
+    while (name.ends_with(' '))
+      name.remove_suffix(1);
+    if (name == limits::kSubprotocol) return std::nullopt;
+  }
+  return refusalReply(
+      Refusal::kRequest,
+      std::string("send Sec-WebSocket-Protocol: ") + limits::kSubprotocol);
+}
+
+std::string catalogueJson(const std::vector<CatalogueItem>& items, const Grant* grant) {
   json list = json::array();
   for (const CatalogueItem& item : items) {
+    if (grant != nullptr && !grant->allows(item.name)) continue;
     json entry = {
         {"name", item.name},
         {"state", kStateNames[static_cast<std::size_t>(item.state)]},
@@ -81,16 +150,27 @@ std::string metricsText(const ServerStatus& s, const std::vector<CatalogueItem>&
   out.gauge("limn_ready", "1 when new clients are welcome.", s.ready ? 1 : 0);
   out.gauge("limn_connections", "Open WebSocket connections.", static_cast<double>(s.connections));
   out.counter("limn_connections_total", "WebSocket connections accepted.", s.connectionsTotal);
-  out.counter(
+  out.counters(
       "limn_connections_refused_total",
-      "Connections turned away: limits, token, origin.",
+      "Connections turned away.",
+      "reason",
       s.connectionsRefusedTotal);
+  out.counters(
+      "limn_connections_closed_total",
+      "WebSocket connections that ended.",
+      "reason",
+      s.connectionsClosedTotal);
   out.counter("limn_sent_bytes_total", "Payload of WebSocket messages sent.", s.sentBytesTotal);
   out.counter("limn_sent_messages_total", "WebSocket messages sent.", s.sentMessagesTotal);
   out.counter(
       "limn_received_messages_total",
       "WebSocket messages received.",
       s.receivedMessagesTotal);
+  out.counter("limn_poses_total", "Poses received.", s.posesTotal);
+  out.counter(
+      "limn_poses_replaced_total",
+      "Poses that a newer one replaced before it was their turn.",
+      s.posesReplacedTotal);
   out.gauge("limn_session_bytes", "Memory of all sessions.", static_cast<double>(s.sessionBytes));
   out.gauge("limn_model_bytes", "Memory of loaded models.", static_cast<double>(s.modelBytes));
   out.gauge("limn_models_loaded", "Models in memory.", static_cast<double>(s.modelsLoaded));
@@ -127,8 +207,9 @@ std::string metricsText(const ServerStatus& s, const std::vector<CatalogueItem>&
 HttpReply routeMain(
     std::string_view path,
     const ServerStatus& status,
-    const std::vector<CatalogueItem>& items) {
-  if (path == "/models") return {200, "application/json", catalogueJson(items)};
+    const std::vector<CatalogueItem>& items,
+    const Grant* grant) {
+  if (path == "/models") return {200, "application/json", catalogueJson(items, grant)};
   if (path == "/livez") return text(200, "ok\n");
   if (path == "/readyz") {
     return status.ready ? text(200, "ok\n") : text(503, status.notReadyBecause + "\n");

@@ -2,10 +2,14 @@
 #pragma once
 
 #include "server/session/catalogue.h"
+#include "server/transport/limits.h"
 
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace limn {
@@ -14,7 +18,12 @@ struct HttpReply {
   int status = 200;
   std::string contentType = "application/json";
   std::string body;
+  std::vector<std::pair<std::string, std::string>> headers = {};  // names in lower case
+  bool close = false;                                             // the connection ends with it
 };
+
+/// What somebody is told who is turned away, `why` in a line.
+[[nodiscard]] HttpReply refusalReply(Refusal refusal, const std::string& why);
 
 /// What the server knows about itself, for /readyz and /metrics.
 struct ServerStatus {
@@ -23,10 +32,13 @@ struct ServerStatus {
   std::string notReadyBecause;
   std::size_t connections = 0;
   std::uint64_t connectionsTotal = 0;
-  std::uint64_t connectionsRefusedTotal = 0;
+  std::map<std::string, std::uint64_t> connectionsRefusedTotal;  // by Refusal
+  std::map<std::string, std::uint64_t> connectionsClosedTotal;   // by Ending
   std::uint64_t sentBytesTotal = 0;
   std::uint64_t sentMessagesTotal = 0;
   std::uint64_t receivedMessagesTotal = 0;
+  std::uint64_t posesTotal = 0;
+  std::uint64_t posesReplacedTotal = 0;
   std::size_t sessionBytes = 0;
   std::size_t modelBytes = 0;
   std::size_t modelsLoaded = 0;
@@ -39,8 +51,20 @@ struct ServerStatus {
   double uptimeSeconds = 0.0;
 };
 
-/// GET /models, as commands.md has it.
-[[nodiscard]] std::string catalogueJson(const std::vector<CatalogueItem>& items);
+/// What of an upgrade to WebSocket is ours to check: values of its headers.
+struct UpgradeRequest {
+  std::string_view version;
+  std::string_view key;
+  std::string_view protocols;
+};
+
+/// Nothing, or why it is refused [RFC 6455, 4.2]: another version, a bad key, not our subprotocol.
+[[nodiscard]] std::optional<HttpReply> refuseUpgrade(const UpgradeRequest& request);
+
+/// GET /models, as commands.md has it: what a grant allows to be seen; nullptr: everything.
+[[nodiscard]] std::string catalogueJson(
+    const std::vector<CatalogueItem>& items,
+    const Grant* grant = nullptr);
 
 /// Prometheus text of what is known: base units, no labels per client.
 [[nodiscard]] std::string metricsText(
@@ -51,7 +75,8 @@ struct ServerStatus {
 [[nodiscard]] HttpReply routeMain(
     std::string_view path,
     const ServerStatus& status,
-    const std::vector<CatalogueItem>& items);
+    const std::vector<CatalogueItem>& items,
+    const Grant* grant = nullptr);
 
 /// The same for the metrics port: /metrics, /livez.
 [[nodiscard]] HttpReply routeMetrics(

@@ -8,17 +8,24 @@
 // stays off: packets do not deflate, and it costs 265 KiB a client.
 #include "server/transport/lws_transport.h"
 
+#include "server/transport/connection.h"
+
 #include "protocol/limits.h"
 
 #include <ev.h>
 #include <libwebsockets.h>
+#include <netdb.h>
+#include <strings.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <ctime>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 #include <vector>
@@ -29,6 +36,11 @@ namespace {
 constexpr double kTickSeconds = 0.05;
 constexpr std::size_t kTxPacketBytes = 64 * 1024;
 constexpr std::size_t kRxBufferBytes = 4 * 1024;
+constexpr std::size_t kMaxHeaderBytes = 4 * 1024;  // of a request
+constexpr std::size_t kMaxReplyHeaderBytes = 1024;
+constexpr std::size_t kSpareFiles = 128;   // besides clients: store, models, workers, HTTP
+constexpr std::size_t kSpareSockets = 16;  // besides clients, and as many from one address
+constexpr double kLoggedRefusals = 10.0;   // a second: a flood must not fill the disk
 constexpr std::uint32_t kDrainRetryMs = 500;
 constexpr std::uint32_t kDrainSpreadMs = 2000;
 
@@ -45,39 +57,60 @@ void logLine(int, const char* line) {
 }
 
 std::string header(lws* wsi, lws_token_indexes token) {
-  std::array<char, 1024> buffer{};
-  const int length = lws_hdr_copy(wsi, buffer.data(), static_cast<int>(buffer.size()), token);
-  return length > 0 ? std::string(buffer.data(), static_cast<std::size_t>(length)) : std::string();
+  const int length = lws_hdr_total_length(wsi, token);
+  if (length <= 0) return {};
+  std::string value(static_cast<std::size_t>(length) + 1, '\0');
+  const int copied = lws_hdr_copy(wsi, value.data(), length + 1, token);
+  value.resize(copied > 0 ? static_cast<std::size_t>(copied) : 0);
+  return value;
 }
 
-std::string addressOf(lws* wsi) {
-  std::array<char, 64> buffer{};
-  lws_get_peer_simple(wsi, buffer.data(), buffer.size());
-  return buffer.data();
+/// Who is at the other end, as limits count it.
+std::string addressOf(int file) {
+  sockaddr_storage peer{};
+  socklen_t size = sizeof(peer);
+  std::array<char, 64> text{};
+  if (getpeername(file, reinterpret_cast<sockaddr*>(&peer), &size) != 0 ||
+      getnameinfo(
+          reinterpret_cast<sockaddr*>(&peer),
+          size,
+          text.data(),
+          text.size(),
+          nullptr,
+          0,
+          NI_NUMERICHOST) != 0) {
+    return "unknown";
+  }
+  return addressKey(text.data());
 }
 
-class Transport;
+/// A word to somebody whose request will not be read. Best effort: it may be lost.
+void sayAtTheDoor(int file, const char* status, const std::string& why) {
+  const std::string text = std::string("HTTP/1.1 ") + status +
+                           "\r\nconnection: close\r\ncontent-type: text/plain\r\n"
+                           "content-length: " +
+                           std::to_string(why.size() + 1) + "\r\n\r\n" + why + "\n";
+  static_cast<void>(::send(file, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL));
+}
 
-/// One WebSocket connection.
-struct Connection final : public Peer {
-  Connection(lws* socket, std::string from, SessionShared& shared, std::int64_t nowMs)
-      : wsi(socket),
-        address(std::move(from)),
-        session(shared, *this, nowMs) {}
+/// Closes a socket soon, from outside its callbacks.
+void cut(lws* wsi) {
+  lws_set_timeout(wsi, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_ASYNC);
+}
 
-  void wantWrite() override { lws_callback_on_writable(wsi); }
-
-  lws* wsi;
+/// What stays with a socket from being accepted to being closed.
+struct Socket {
+  lws* wsi = nullptr;
   std::string address;
-  Session session;
-  std::vector<std::uint8_t> partial;  // of a message that came in pieces
+  std::int64_t deadlineMs = 0;  // for its request, or its answer; 0: none, it is a WebSocket
+  bool answered = false;
+  std::shared_ptr<const Grant> grant;  // of an upgrade that is let in
+  std::unique_ptr<Connection> connection;
 };
 
-/// What libwebsockets keeps for a connection.
-struct PerSocket {
-  Connection* connection;  // WebSocket
-  std::string* body;       // HTTP: what is left to send
-};
+Socket* socketOf(lws* wsi) {
+  return static_cast<Socket*>(lws_get_opaque_user_data(wsi));
+}
 
 class Transport final : public LwsTransport {
  public:
@@ -106,20 +139,29 @@ class Transport final : public LwsTransport {
 
   void wake() override { lws_cancel_service(context_); }
 
-  int onWebSocket(
-      lws* wsi,
-      lws_callback_reasons reason,
-      PerSocket* socket,
-      void* in,
-      std::size_t size);
-  int onHttp(lws* wsi, lws_callback_reasons reason, PerSocket* socket, void* in, std::size_t size);
+  int onWebSocket(lws* wsi, lws_callback_reasons reason, void* in, std::size_t size);
+  int onHttp(lws* wsi, lws_callback_reasons reason, void* user, void* in, std::size_t size);
 
  private:
   Result<lws_vhost*> openVhost(const ListenAddress& address, const char* name);
+
+  [[nodiscard]] bool isMetrics(lws* wsi) const {
+    return metricsVhost_ != nullptr && lws_get_vhost(wsi) == metricsVhost_;
+  }
+
+  int filter(int file);
+  void accept(lws* wsi);
+  void forget(lws* wsi);
   int admit(lws* wsi);
-  int receive(Connection& connection, const void* in, std::size_t size);
-  int write(Connection& connection);
-  int answer(lws* wsi, PerSocket& socket, std::string_view path);
+  [[nodiscard]] std::optional<HttpReply> refuse(lws* wsi, Socket& socket);
+  [[nodiscard]] Result<std::shared_ptr<const Grant>> grantOf(lws* wsi) const;
+  int establish(lws* wsi);
+  void ended(Socket& socket);
+  int answer(lws* wsi, std::string_view path);
+  int reply(lws* wsi, const HttpReply& reply);
+  [[nodiscard]] HttpReply
+  turnAway(Refusal why, const std::string& address, const std::string& text);
+  void countRefusal(Refusal why, const std::string& address);
   void onTick();
   void onWoken();
   void beginDrain();
@@ -135,47 +177,38 @@ class Transport final : public LwsTransport {
   lws_vhost* metricsVhost_ = nullptr;
   int port_ = 0;
   int metricsPort_ = 0;
-  std::unordered_set<Connection*> connections_;
-  ConnectionCounter counter_;
+  std::unordered_set<Socket*> young_;  // with a deadline
+  std::unordered_map<Connection*, lws*> connections_;
+  ConnectionCounter sockets_;
+  ConnectionCounter clients_;
   std::vector<std::uint8_t> scratch_;
   std::int64_t startedMs_ = nowMs();
   std::int64_t drainUntilMs_ = 0;  // 0: not draining
   std::uint64_t accepted_ = 0;
-  std::uint64_t refused_ = 0;
-  std::uint64_t sentBytes_ = 0;
-  std::uint64_t sentMessages_ = 0;
-  std::uint64_t receivedMessages_ = 0;
+  std::array<std::uint64_t, 6> refused_{};  // by Refusal
+  std::array<std::uint64_t, 7> endings_{};  // by Ending
+  TrafficCounters traffic_;
+  RateLimit refusalLog_{kLoggedRefusals, kLoggedRefusals};
 };
 
 Transport* transportOf(lws* wsi) {
   return static_cast<Transport*>(lws_context_user(lws_get_context(wsi)));
 }
 
-int webSocketCallback(
-    lws* wsi,
-    lws_callback_reasons reason,
-    void* user,
-    void* in,
-    std::size_t size) {
-  return transportOf(wsi)->onWebSocket(wsi, reason, static_cast<PerSocket*>(user), in, size);
+int webSocketCallback(lws* wsi, lws_callback_reasons reason, void*, void* in, std::size_t size) {
+  return transportOf(wsi)->onWebSocket(wsi, reason, in, size);
 }
 
 int httpCallback(lws* wsi, lws_callback_reasons reason, void* user, void* in, std::size_t size) {
   Transport* transport = transportOf(wsi);
   // The library also calls while it makes its context, before there is anything to ask.
   if (transport == nullptr) return 0;
-  return transport->onHttp(wsi, reason, static_cast<PerSocket*>(user), in, size);
+  return transport->onHttp(wsi, reason, user, in, size);
 }
 
 const std::array<lws_protocols, 3> kProtocols = {{
-    {"http", httpCallback, sizeof(PerSocket), kRxBufferBytes, 0, nullptr, kTxPacketBytes},
-    {limits::kSubprotocol,
-     webSocketCallback,
-     sizeof(PerSocket),
-     kRxBufferBytes,
-     0,
-     nullptr,
-     kTxPacketBytes},
+    {"http", httpCallback, 0, kRxBufferBytes, 0, nullptr, kTxPacketBytes},
+    {limits::kSubprotocol, webSocketCallback, 0, kRxBufferBytes, 0, nullptr, kTxPacketBytes},
     {nullptr, nullptr, 0, 0, 0, nullptr, 0},
 }};
 
@@ -187,6 +220,17 @@ Result<void> Transport::start() {
   if (getrlimit(RLIMIT_NOFILE, &files) == 0 && files.rlim_cur < files.rlim_max) {
     files.rlim_cur = files.rlim_max;
     static_cast<void>(setrlimit(RLIMIT_NOFILE, &files));
+  }
+  const std::size_t mostFiles =
+      files.rlim_cur > 0 ? static_cast<std::size_t>(files.rlim_cur) : 1024;
+  const std::size_t mostClients = mostFiles - std::min(mostFiles / 2, kSpareFiles);
+  if (options_.limits.maxClients > mostClients) {
+    logLine(
+        0,
+        ("at most " + std::to_string(mostClients) + " clients: the limit of open files is " +
+         std::to_string(mostFiles))
+            .c_str());
+    options_.limits.maxClients = mostClients;
   }
   lws_set_log_level(LLL_ERR | LLL_WARN, logLine);
   ev_timer_init(
@@ -214,9 +258,9 @@ Result<void> Transport::start() {
   info.foreign_loops = loops;
   info.user = this;
   info.options = LWS_SERVER_OPTION_LIBEV | LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
-                 LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
-  info.fd_limit_per_thread =
-      static_cast<unsigned>(std::min<rlim_t>(files.rlim_cur > 0 ? files.rlim_cur : 1024, 1U << 20));
+                 LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT | LWS_SERVER_OPTION_VALIDATE_UTF8;
+  info.max_http_header_data = kMaxHeaderBytes;
+  info.fd_limit_per_thread = static_cast<unsigned>(std::min<std::size_t>(mostFiles, 1U << 20));
   info.pt_serv_buf_size = static_cast<unsigned>(kTxPacketBytes);
   info.retry_and_idle_policy = &kLiveness;
   context_ = lws_create_context(&info);
@@ -245,7 +289,8 @@ Result<lws_vhost*> Transport::openVhost(const ListenAddress& address, const char
   if (address.ipv6 && address.host == "::") info.iface = nullptr;
   info.vhost_name = name;
   info.protocols = kProtocols.data();
-  info.timeout_secs = 10;
+  // Ours comes first; this one is for what never becomes a socket of ours (TLS handshakes).
+  info.timeout_secs = static_cast<unsigned>(options_.limits.handshakeMs / 1000 + 1);
   info.keepalive_timeout = 15;
   info.retry_and_idle_policy = &kLiveness;
   if (!address.ipv6) info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
@@ -268,115 +313,155 @@ Result<lws_vhost*> Transport::openVhost(const ListenAddress& address, const char
   return vhost;
 }
 
-int Transport::admit(lws* wsi) {
-  const bool fine =
-      drainUntilMs_ == 0 && lws_get_vhost(wsi) != metricsVhost_ &&
-      options_.access.hasToken(header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION)) &&
-      options_.access.allowsOrigin(header(wsi, WSI_TOKEN_ORIGIN), header(wsi, WSI_TOKEN_HOST));
-  if (!fine) ++refused_;
-  return fine ? 0 : 1;
+int Transport::filter(int file) {
+  const TransportLimits& limits = options_.limits;
+  const std::string address = addressOf(file);
+  const std::size_t perAddress =
+      limits.maxClientsPerAddress == 0 ? 0 : limits.maxClientsPerAddress + kSpareSockets;
+  const auto full = sockets_.full(address, limits.maxClients + kSpareSockets, perAddress);
+  if (!full) return 0;
+  countRefusal(*full, address);
+  if (options_.tlsCertificate.empty()) {
+    sayAtTheDoor(file, "503 Service Unavailable", "too many connections");
+  }
+  return 1;
 }
 
-int Transport::onWebSocket(
-    lws* wsi,
-    lws_callback_reasons reason,
-    PerSocket* socket,
-    void* in,
-    std::size_t size) {
+void Transport::accept(lws* wsi) {
+  auto* socket = new Socket;
+  socket->wsi = wsi;
+  socket->address = addressOf(lws_get_socket_fd(wsi));
+  socket->deadlineMs = nowMs() + options_.limits.handshakeMs;
+  sockets_.enter(socket->address);
+  young_.insert(socket);
+  lws_set_opaque_user_data(wsi, socket);
+}
+
+void Transport::forget(lws* wsi) {
+  Socket* socket = socketOf(wsi);
+  if (socket == nullptr) return;
+  lws_set_opaque_user_data(wsi, nullptr);
+  ended(*socket);
+  sockets_.leave(socket->address);
+  young_.erase(socket);
+  delete socket;
+}
+
+void Transport::countRefusal(Refusal why, const std::string& address) {
+  ++refused_[static_cast<std::size_t>(why)];
+  if (!handlers_.happened || !refusalLog_.take(nowMs())) return;
+  handlers_.happened({TransportEvent::Kind::kRefused, 0, address, nameOf(why), 0.0, 0});
+}
+
+HttpReply Transport::turnAway(Refusal why, const std::string& address, const std::string& text) {
+  countRefusal(why, address);
+  return refusalReply(why, text);
+}
+
+Result<std::shared_ptr<const Grant>> Transport::grantOf(lws* wsi) const {
+  return options_.access.admit(header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION), std::time(nullptr));
+}
+
+std::optional<HttpReply> Transport::refuse(lws* wsi, Socket& socket) {
+  const auto away = [&](Refusal why, const std::string& text) {
+    return turnAway(why, socket.address, text);
+  };
+  if (isMetrics(wsi)) return away(Refusal::kRequest, "there are no WebSockets on this port");
+  if (drainUntilMs_ != 0) return away(Refusal::kDraining, "the server is going down");
+  auto grant = grantOf(wsi);
+  if (!grant) return away(Refusal::kToken, grant.error().message);
+  if (!options_.access.allowsOrigin(header(wsi, WSI_TOKEN_ORIGIN), header(wsi, WSI_TOKEN_HOST))) {
+    return away(Refusal::kOrigin, "pages of that origin may not connect");
+  }
+  const std::string version = header(wsi, WSI_TOKEN_VERSION);
+  const std::string key = header(wsi, WSI_TOKEN_KEY);
+  const std::string protocols = header(wsi, WSI_TOKEN_PROTOCOL);
+  if (auto reply = refuseUpgrade({version, key, protocols})) {
+    countRefusal(Refusal::kRequest, socket.address);
+    return reply;
+  }
+  const TransportLimits& limits = options_.limits;
+  const auto full = clients_.full(socket.address, limits.maxClients, limits.maxClientsPerAddress);
+  if (full == Refusal::kTotal) return away(*full, "too many clients; try again later");
+  if (full == Refusal::kAddress) {
+    return away(
+        *full,
+        "too many connections from your address; at most " +
+            std::to_string(limits.maxClientsPerAddress));
+  }
+  socket.grant = std::move(*grant);
+  return std::nullopt;
+}
+
+int Transport::admit(lws* wsi) {
+  Socket* socket = socketOf(wsi);
+  // The library answers an unknown upgrade and frees its headers, then asks all the same: what it
+  // passes as the upgrade's name may be gone (NN-2025-0102).
+  if (socket == nullptr || lws_hdr_total_length(wsi, WSI_TOKEN_UPGRADE) <= 0) return -1;
+  const std::string upgrade = header(wsi, WSI_TOKEN_UPGRADE);
+  if (strcasecmp(upgrade.c_str(), "websocket") != 0) return -1;
+  const auto refusal = refuse(wsi, *socket);
+  return refusal ? reply(wsi, *refusal) : 0;
+}
+
+int Transport::establish(lws* wsi) {
+  Socket* socket = socketOf(wsi);
+  if (socket == nullptr) return -1;
+  clients_.enter(socket->address);
+  young_.erase(socket);
+  socket->deadlineMs = 0;
+  socket->connection = std::make_unique<Connection>(
+      Connection::Client{wsi, ++accepted_, std::move(socket->grant)},
+      Connection::Shared{options_.limits, shared_, traffic_, scratch_},
+      nowMs());
+  connections_.emplace(socket->connection.get(), wsi);
+  if (handlers_.happened) {
+    handlers_.happened({TransportEvent::Kind::kOpened, accepted_, socket->address, {}, 0.0, 0});
+  }
+  return 0;
+}
+
+void Transport::ended(Socket& socket) {
+  if (!socket.connection) return;
+  const std::unique_ptr<Connection> connection = std::move(socket.connection);
+  clients_.leave(socket.address);
+  connections_.erase(connection.get());
+  ++endings_[static_cast<std::size_t>(connection->ending())];
+  if (!handlers_.happened) return;
+  std::string why = nameOf(connection->ending());
+  if (!connection->endingReason().empty()) why += ": " + connection->endingReason();
+  handlers_.happened(
+      {TransportEvent::Kind::kClosed,
+       connection->number(),
+       socket.address,
+       why,
+       static_cast<double>(nowMs() - connection->bornMs()) / 1000.0,
+       connection->payloadBytes()});
+}
+
+int Transport::onWebSocket(lws* wsi, lws_callback_reasons reason, void* in, std::size_t size) {
+  Socket* socket = socketOf(wsi);
   switch (reason) {
-    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-      return admit(wsi);
-    case LWS_CALLBACK_ESTABLISHED: {
-      const std::string address = addressOf(wsi);
-      if (!counter_.enter(address, options_.access)) {
-        ++refused_;
-        socket->connection = nullptr;
-        constexpr char kWhy[] = "too many clients; try again later";
-        std::array<unsigned char, sizeof(kWhy)> why{};
-        std::memcpy(why.data(), kWhy, sizeof(kWhy));
-        lws_close_reason(wsi, static_cast<lws_close_status>(1013), why.data(), sizeof(kWhy) - 1);
-        return -1;
-      }
-      ++accepted_;
-      socket->connection = new Connection(wsi, address, shared_, nowMs());
-      connections_.insert(socket->connection);
-      return 0;
-    }
+    case LWS_CALLBACK_ESTABLISHED:
+      return establish(wsi);
     case LWS_CALLBACK_RECEIVE:
-      return socket->connection != nullptr ? receive(*socket->connection, in, size) : -1;
+      return socket != nullptr && socket->connection
+                 ? socket->connection->receive(in, size, nowMs())
+                 : -1;
     case LWS_CALLBACK_SERVER_WRITEABLE:
-      return socket->connection != nullptr ? write(*socket->connection) : -1;
+      return socket != nullptr && socket->connection ? socket->connection->write(nowMs()) : -1;
     case LWS_CALLBACK_CLOSED:
-      if (socket->connection != nullptr) {
-        counter_.leave(socket->connection->address);
-        connections_.erase(socket->connection);
-        delete socket->connection;
-        socket->connection = nullptr;
-      }
+      if (socket != nullptr) ended(*socket);
       return 0;
     default:
       return 0;
   }
 }
 
-int Transport::receive(Connection& connection, const void* in, std::size_t size) {
-  lws* wsi = connection.wsi;
-  const auto* bytes = static_cast<const std::uint8_t*>(in);
-  if (lws_frame_is_binary(wsi) == 0) {
-    lws_close_reason(wsi, LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE, nullptr, 0);
-    return -1;
-  }
-  auto& partial = connection.partial;
-  if (partial.size() + size + lws_remaining_packet_payload(wsi) > limits::kMaxClientMessageBytes) {
-    lws_close_reason(wsi, LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, nullptr, 0);
-    return -1;
-  }
-  const bool last = lws_is_final_fragment(wsi) != 0 && lws_remaining_packet_payload(wsi) == 0;
-  if (!last) {
-    partial.insert(partial.end(), bytes, bytes + size);
-    return 0;
-  }
-  ++receivedMessages_;
-  if (partial.empty()) {
-    connection.session.receive({bytes, size}, nowMs());
-    return 0;
-  }
-  partial.insert(partial.end(), bytes, bytes + size);
-  connection.session.receive(partial, nowMs());
-  partial = {};
-  return 0;
-}
-
-int Transport::write(Connection& connection) {
-  lws* wsi = connection.wsi;
-  const auto message = connection.session.nextMessage(nowMs());
-  if (!message) {
-    const auto close = connection.session.close();
-    if (!close) return 0;
-    lws_close_reason(
-        wsi,
-        *close == Session::Close::kGoingAway ? LWS_CLOSE_STATUS_GOINGAWAY
-                                             : LWS_CLOSE_STATUS_POLICY_VIOLATION,
-        nullptr,
-        0);
-    return -1;
-  }
-  const protocol::Bytes bytes = message->bytes();
-  // The library writes its frame header in front of what it is given.
-  scratch_.resize(LWS_PRE + bytes.size());
-  std::memcpy(scratch_.data() + LWS_PRE, bytes.data(), bytes.size());
-  const int written = lws_write(wsi, scratch_.data() + LWS_PRE, bytes.size(), LWS_WRITE_BINARY);
-  if (written < 0 || static_cast<std::size_t>(written) < bytes.size()) return -1;
-  sentBytes_ += bytes.size();
-  ++sentMessages_;
-  lws_callback_on_writable(wsi);
-  return 0;
-}
-
 int Transport::onHttp(
     lws* wsi,
     lws_callback_reasons reason,
-    PerSocket* socket,
+    void* user,
     void* in,
     std::size_t size) {
   switch (reason) {
@@ -384,61 +469,81 @@ int Transport::onHttp(
       onWoken();
       return 0;
     case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
+      return isMetrics(wsi) ? 0 : filter(static_cast<int>(reinterpret_cast<std::intptr_t>(in)));
+    case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
+      accept(wsi);
+      return 0;
+    case LWS_CALLBACK_WSI_DESTROY:
+      forget(wsi);
       return 0;
     case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
-      return std::strcmp(static_cast<const char*>(in), "websocket") == 0 ? 0 : -1;
+      return admit(wsi);
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
       return 1;  // a WebSocket without our subprotocol
     case LWS_CALLBACK_HTTP:
-      return answer(wsi, *socket, {static_cast<const char*>(in), size});
-    case LWS_CALLBACK_HTTP_WRITEABLE: {
-      if (socket->body == nullptr) return 0;
-      const std::string body = std::move(*socket->body);
-      delete std::exchange(socket->body, nullptr);
-      scratch_.resize(LWS_PRE + body.size());
-      std::memcpy(scratch_.data() + LWS_PRE, body.data(), body.size());
-      const int written =
-          lws_write(wsi, scratch_.data() + LWS_PRE, body.size(), LWS_WRITE_HTTP_FINAL);
-      if (written < 0) return -1;
-      return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
-    }
-    case LWS_CALLBACK_CLOSED_HTTP:
-      if (socket != nullptr) delete std::exchange(socket->body, nullptr);
-      return 0;
+      return answer(wsi, {static_cast<const char*>(in), size});
     default:
-      return lws_callback_http_dummy(wsi, reason, socket, in, size);
+      return lws_callback_http_dummy(wsi, reason, user, in, size);
   }
 }
 
-int Transport::answer(lws* wsi, PerSocket& socket, std::string_view path) {
-  HttpReply reply;
-  const bool metrics = lws_get_vhost(wsi) == metricsVhost_ && metricsVhost_ != nullptr;
+int Transport::answer(lws* wsi, std::string_view path) {
+  Socket* socket = socketOf(wsi);
+  if (socket == nullptr) return -1;
+  HttpReply made;
   if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) {
-    reply = {405, "text/plain; charset=utf-8", "only GET\n"};
-  } else if (
-      path == "/models" && !options_.access.hasToken(header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION))) {
-    reply = {401, "text/plain; charset=utf-8", "send Authorization: Bearer TOKEN\n"};
+    // Whatever body it has is not read.
+    made = {405, "text/plain; charset=utf-8", "only GET\n", {{"allow", "GET"}}, true};
+  } else if (isMetrics(wsi)) {
+    made = routeMetrics(path, status(), handlers_.catalogue());
+  } else if (const auto grant = grantOf(wsi)) {
+    made = routeMain(path, status(), handlers_.catalogue(), grant->get());
+  } else if (path == "/livez" || path == "/readyz") {
+    // For those who only watch over it; why it is not ready is nobody else's business.
+    ServerStatus known = status();
+    known.notReadyBecause = "not ready";
+    made = routeMain(path, known, {});
   } else {
-    reply = metrics ? routeMetrics(path, status(), handlers_.catalogue())
-                    : routeMain(path, status(), handlers_.catalogue());
+    made = turnAway(Refusal::kToken, socket->address, grant.error().message);
   }
-  std::array<unsigned char, LWS_PRE + 1024> buffer{};
-  unsigned char* at = buffer.data() + LWS_PRE;
-  unsigned char* const begin = at;
-  unsigned char* const end = buffer.data() + buffer.size() - 1;
-  if (lws_add_http_common_headers(
-          wsi,
-          static_cast<unsigned>(reply.status),
-          reply.contentType.c_str(),
-          reply.body.size(),
-          &at,
-          end) != 0 ||
-      lws_finalize_write_http_header(wsi, begin, &at, end) != 0) {
-    return -1;
+  return reply(wsi, made);
+}
+
+/// The answer, headers and body in one piece, which the library sends as the client takes it.
+int Transport::reply(lws* wsi, const HttpReply& reply) {
+  scratch_.resize(LWS_PRE + kMaxReplyHeaderBytes + reply.body.size());
+  unsigned char* const begin = scratch_.data() + LWS_PRE;
+  unsigned char* const end = begin + kMaxReplyHeaderBytes;
+  unsigned char* at = begin;
+  bool fine = lws_add_http_common_headers(
+                  wsi,
+                  static_cast<unsigned>(reply.status),
+                  reply.contentType.c_str(),
+                  reply.body.size(),
+                  &at,
+                  end) == 0;
+  auto headers = reply.headers;
+  if (reply.close) headers.emplace_back("connection", "close");
+  for (const auto& [name, value] : headers) {
+    fine = fine && lws_add_http_header_by_name(
+                       wsi,
+                       reinterpret_cast<const unsigned char*>((name + ":").c_str()),
+                       reinterpret_cast<const unsigned char*>(value.c_str()),
+                       static_cast<int>(value.size()),
+                       &at,
+                       end) == 0;
   }
-  delete std::exchange(socket.body, new std::string(std::move(reply.body)));
-  lws_callback_on_writable(wsi);
-  return 0;
+  if (!fine || lws_finalize_http_header(wsi, &at, end) != 0) return -1;
+  std::memcpy(at, reply.body.data(), reply.body.size());
+  at += reply.body.size();
+  const auto size = static_cast<std::size_t>(at - begin);
+  if (lws_write(wsi, begin, size, LWS_WRITE_HTTP) < static_cast<int>(size)) return -1;
+  if (Socket* socket = socketOf(wsi)) {
+    socket->answered = true;
+    socket->deadlineMs = nowMs() + options_.limits.progressMs;
+  }
+  if (reply.close) return -1;
+  return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
 }
 
 ServerStatus Transport::status() const {
@@ -449,26 +554,44 @@ ServerStatus Transport::status() const {
   }
   status.connections = connections_.size();
   status.connectionsTotal = accepted_;
-  status.connectionsRefusedTotal = refused_;
-  status.sentBytesTotal = sentBytes_;
-  status.sentMessagesTotal = sentMessages_;
-  status.receivedMessagesTotal = receivedMessages_;
+  for (std::size_t i = 0; i < refused_.size(); ++i)
+    status.connectionsRefusedTotal[nameOf(static_cast<Refusal>(i))] = refused_[i];
+  for (std::size_t i = 0; i < endings_.size(); ++i)
+    status.connectionsClosedTotal[nameOf(static_cast<Ending>(i))] = endings_[i];
+  status.sentBytesTotal = traffic_.sentBytes;
+  status.sentMessagesTotal = traffic_.sentMessages;
+  status.receivedMessagesTotal = traffic_.receivedMessages;
+  status.posesTotal = shared_.poses;
+  status.posesReplacedTotal = shared_.posesReplaced;
   status.uptimeSeconds = static_cast<double>(nowMs() - startedMs_) / 1000.0;
-  for (const Connection* connection : connections_) {
-    status.sessionBytes += sizeof(Connection) + connection->session.bytes();
-  }
+  for (const auto& [connection, wsi] : connections_)
+    status.sessionBytes += connection->bytes();
   return status;
 }
 
 void Transport::onTick() {
   const std::int64_t now = nowMs();
   if (handlers_.tick) handlers_.tick(now);
-  for (Connection* connection : connections_) {
-    connection->session.update(now);
-    const bool late = !connection->session.greeted() &&
-                      now - connection->session.bornMs() > options_.helloDeadlineMs;
-    if (late) lws_set_timeout(connection->wsi, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_ASYNC);
+  bool cuts = false;
+  for (const auto& [connection, wsi] : connections_) {
+    if (connection->tick(now)) continue;
+    cut(wsi);
+    cuts = true;
   }
+  for (Socket* socket : young_) {
+    if (socket->deadlineMs == 0 || now < socket->deadlineMs) continue;
+    socket->deadlineMs = 0;
+    if (!socket->answered && options_.tlsCertificate.empty()) {
+      sayAtTheDoor(
+          lws_get_socket_fd(socket->wsi),
+          "408 Request Timeout",
+          "no request within " + std::to_string(options_.limits.handshakeMs) + " ms");
+    }
+    cut(socket->wsi);
+    cuts = true;
+  }
+  // The library looks at its timers only after events of its own.
+  if (cuts) lws_cancel_service(context_);
   if (drainUntilMs_ != 0 && (connections_.empty() || now >= drainUntilMs_)) {
     ev_break(loop_, EVBREAK_ALL);
   }
@@ -477,8 +600,8 @@ void Transport::onTick() {
 void Transport::onWoken() {
   if (handlers_.woken) handlers_.woken();
   const std::int64_t now = nowMs();
-  for (Connection* connection : connections_)
-    connection->session.update(now);
+  for (const auto& [connection, wsi] : connections_)
+    connection->update(now);
 }
 
 void Transport::beginDrain() {
@@ -490,8 +613,8 @@ void Transport::beginDrain() {
   drainUntilMs_ = nowMs() + options_.drainMs;
   // Spread over a while, so that clients do not all come back at the same moment.
   std::uint32_t spread = 0;
-  for (Connection* connection : connections_) {
-    connection->session.drain(kDrainRetryMs + spread);
+  for (const auto& [connection, wsi] : connections_) {
+    connection->drain(kDrainRetryMs + spread);
     spread = (spread + 97) % kDrainSpreadMs;
   }
 }

@@ -4,6 +4,7 @@
 #include "server/session/session.h"
 #include "server/transport/access.h"
 #include "server/transport/http_routes.h"
+#include "server/transport/limits.h"
 
 #include <cstdint>
 #include <functional>
@@ -19,16 +20,29 @@ struct TransportOptions {
   std::string tlsCertificate;  // PEM files; both or none
   std::string tlsKey;
   AccessRules access;
-  std::int64_t helloDeadlineMs = 10'000;  // from upgrade to Hello
-  std::int64_t drainMs = 20'000;          // for clients to take their last messages
+  TransportLimits limits;
+  std::int64_t drainMs = 20'000;  // for clients to take their last messages
+};
+
+/// Something that happened at the door.
+struct TransportEvent {
+  enum class Kind : std::uint8_t { kOpened, kClosed, kRefused };
+
+  Kind kind = Kind::kOpened;
+  std::uint64_t connection = 0;  // its number; 0 for one that was refused
+  std::string address;
+  std::string why;  // how it ended, or why it was refused
+  double seconds = 0.0;
+  std::uint64_t payloadBytes = 0;
 };
 
 /// What the transport asks its owner for. All on the loop thread.
 struct TransportHandlers {
   std::function<ServerStatus()> status;  // the transport fills in what it counts itself
   std::function<const std::vector<CatalogueItem>&()> catalogue;
-  std::function<void(std::int64_t nowMs)> tick;  // about 20 times a second
-  std::function<void()> woken;                   // after wake()
+  std::function<void(std::int64_t nowMs)> tick;         // about 20 times a second
+  std::function<void()> woken;                          // after wake()
+  std::function<void(const TransportEvent&)> happened;  // may be empty
 };
 
 /// WebSocket and HTTP on libwebsockets with a libev loop. One loop thread owns everything.

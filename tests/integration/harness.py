@@ -213,7 +213,7 @@ class Server:
     """A limn-server process; `port` survives restarts."""
 
     def __init__(self, store, *arguments):
-        self.store, self.arguments, self.port = store, arguments, free_port()
+        self.store, self.arguments, self.port, self.metrics_port = store, arguments, free_port(), 0
         self.process, self.log = None, ""
 
     @property
@@ -232,8 +232,9 @@ class Server:
             self.process.stdout.close()
 
     def start(self):
+        self.metrics_port = free_port()
         command = [str(BIN / "limn-server"), "--store", str(self.store), "--listen", "127.0.0.1:%d" % self.port,
-                   "--metrics-listen", "127.0.0.1:%d" % free_port(), *map(str, self.arguments)]
+                   "--metrics-listen", "127.0.0.1:%d" % self.metrics_port, *map(str, self.arguments)]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                         errors="replace")
         ready = threading.Event()
@@ -260,9 +261,11 @@ class Server:
         self.process.send_signal(signal.SIGTERM)
         return self.process.wait(DEADLINE_S)
 
-    def get(self, path):
-        with socket.create_connection(("127.0.0.1", self.port), timeout=10) as line:
-            line.sendall(b"GET %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n" % path.encode())
+    def get(self, path, port=None, headers=()):
+        """Status and body of a GET, on the main port unless told."""
+        lines = ["GET %s HTTP/1.1" % path, "Host: localhost", "Connection: close", *headers]
+        with socket.create_connection(("127.0.0.1", port or self.port), timeout=10) as line:
+            line.sendall(("\r\n".join(lines) + "\r\n\r\n").encode())
             answer = b"".join(iter(lambda: line.recv(65536), b""))
         head, _, body = answer.partition(b"\r\n\r\n")
         if b"transfer-encoding: chunked" in head.lower():
@@ -276,6 +279,20 @@ class Server:
                     break
             body = b"".join(parts)
         return int(head.split()[1]), body.decode()
+
+    def metric(self, series):
+        """The number of one series, "name" or 'name{label="value"}'."""
+        for line in self.get("/metrics", self.metrics_port)[1].splitlines():
+            name, _, value = line.rpartition(" ")
+            if name == series:
+                return float(value)
+        raise AssertionError("no metric " + series)
+
+    def wait_for_metric(self, series, least):
+        end = time.monotonic() + DEADLINE_S
+        while self.metric(series) < least:
+            assert time.monotonic() < end, "%s stays at %g" % (series, self.metric(series))
+            time.sleep(0.02)
 
     def wait_for_model(self, name, state="ready"):
         end = time.monotonic() + DEADLINE_S
@@ -351,6 +368,16 @@ class Case(unittest.TestCase):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="limn-"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         self.store = self.folder / "store"
+
+    def certificate(self):
+        """Files of a certificate for localhost that signs itself, and of its key."""
+        certificate, key = self.folder / "server.pem", self.folder / "server.key"
+        if not certificate.exists():
+            subprocess.run(
+                ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
+                 "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1", "-keyout", key, "-out",
+                 certificate], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=DEADLINE_S)
+        return certificate, key
 
     def prepare(self, source, name, *arguments):
         """The report, and the prepared mesh as limn-prepare dumps it."""

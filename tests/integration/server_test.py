@@ -1,86 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """limn-server as its operators and rude clients meet it: sockets, HTTP, background preparation, drain."""
 
-import base64
 import json
 import os
 import pathlib
-import socket
-import struct
 import subprocess
 import time
 import unittest
 
 from harness import BIN, DEADLINE_S, Case, Server, hills, torus, write_obj
-
-VECTORS = pathlib.Path(__file__).resolve().parents[2] / "protocol" / "vectors" / "v1"
-BINARY, TEXT, CLOSE, PING, PONG = 2, 1, 8, 9, 10
-
-
-class WebSocket:
-    """Just enough of RFC 6455 to be polite or rude."""
-
-    def __init__(self, port, subprotocol="limn.1", headers=()):
-        self.line = socket.create_connection(("127.0.0.1", port), timeout=DEADLINE_S)
-        lines = ["GET / HTTP/1.1", "Host: localhost:%d" % port, "Upgrade: websocket", "Connection: Upgrade",
-                 "Sec-WebSocket-Key: " + base64.b64encode(os.urandom(16)).decode(), "Sec-WebSocket-Version: 13"]
-        if subprotocol:
-            lines.append("Sec-WebSocket-Protocol: " + subprotocol)
-        self.line.sendall(("\r\n".join([*lines, *headers]) + "\r\n\r\n").encode())
-        head = b""
-        while b"\r\n\r\n" not in head:
-            try:
-                data = self.line.recv(4096)
-            except ConnectionResetError:
-                data = b""
-            if not data:
-                break
-            head += data
-        head, _, self.rest = head.partition(b"\r\n\r\n")
-        self.status = int(head.split()[1]) if head else None
-
-    def send(self, payload, opcode=BINARY, final=True):
-        mask = b"\x01\x02\x03\x04"
-        size = len(payload)
-        length = bytes([0x80 | size]) if size < 126 else bytes([0x80 | 126]) + struct.pack(">H", size) \
-            if size < 65536 else bytes([0x80 | 127]) + struct.pack(">Q", size)
-        masked = bytes(b ^ mask[i % 4] for i, b in enumerate(payload))
-        self.line.sendall(bytes([(0x80 if final else 0) | opcode]) + length + mask + masked)
-
-    def _take(self, count):
-        while len(self.rest) < count:
-            data = self.line.recv(65536)
-            if not data:
-                raise EOFError
-            self.rest += data
-        taken, self.rest = self.rest[:count], self.rest[count:]
-        return taken
-
-    def receive(self):
-        """(opcode, payload); (None, b"") when the line is closed without a word."""
-        try:
-            first, second = self._take(2)
-            size = second & 0x7F
-            if size == 126:
-                size, = struct.unpack(">H", self._take(2))
-            elif size == 127:
-                size, = struct.unpack(">Q", self._take(8))
-            return first & 0x0F, self._take(size)
-        except (EOFError, ConnectionResetError):
-            return None, b""
-
-    def close_code(self):
-        """Reads to the end; the code of the close frame, or None."""
-        while True:
-            opcode, payload = self.receive()
-            if opcode == CLOSE:
-                return struct.unpack(">H", payload[:2])[0] if payload else 1005
-            if opcode is None:
-                return None
-
-
-def hello():
-    return next(VECTORS.glob("*[Hh]ello*.bin")).read_bytes()
+from rude_client import BINARY, TEXT, WebSocket, hello
 
 
 def rss_kib(process):
@@ -203,7 +132,7 @@ class ServerProcess(Case):
     @unittest.skipIf("LIMN_SANITIZED" in os.environ, "a sanitizer's memory says nothing")
     def test_idle_clients_cost_little(self):
         self.prepare_shape("torus", torus(48, 24))
-        with Server(self.store) as server:
+        with Server(self.store, "--max-clients-per-address", 0) as server:
             server.wait_for_model("torus")
 
             def connect(count):

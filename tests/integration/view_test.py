@@ -135,6 +135,13 @@ class View(Case):
             self.assertNotEqual(slid, turned)
             window.xdotool("mousemove", 600, 400, "click", 4, "sleep", 0.2, "click", 4)
             self.assertNotEqual(window.picture(4), slid)
+            window.key("r")
+            window.drag(1, -80, 20)
+            window.key("r")
+            recorded = wait_for(lambda: list(self.folder.glob("one-*-path.json")), "a camera path")[0]
+            self.assertGreater(len(json.loads(recorded.read_text())), 1)
+            self.draw(server.url, "one", "--path", recorded, "--frames", 3, "--out", self.folder / "r%d.png")
+            self.assertNotEqual((self.folder / "r0.png").read_bytes(), (self.folder / "r2.png").read_bytes())
             window.key("h")
             window.key("s")  # the next style
             self.assertNotEqual(window.picture(5), first)
@@ -144,7 +151,7 @@ class View(Case):
             window.picture(1, model="two")
             report = window.quit()
             self.assertEqual(report["model"], "two")
-            self.assertEqual(len(report["saved"]), 7)
+            self.assertEqual(len(report["saved"]), 8)
             self.assertNotEqual(json.loads((self.folder / "memory.json").read_text())["style"], "pencil")
 
     def test_a_lost_server_is_found_again(self):

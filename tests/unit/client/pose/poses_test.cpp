@@ -2,6 +2,8 @@
 #include "client/pose/camera_file.h"
 #include "client/pose/orbit.h"
 #include "client/pose/orbit_path.h"
+#include "client/pose/path_recorder.h"
+#include "client/pose/recorded_path.h"
 
 #include <gtest/gtest.h>
 
@@ -102,6 +104,74 @@ TEST(CameraFile, ComesBackAsItWasWritten) {
   EXPECT_EQ(back->up, camera.up);
   EXPECT_EQ(back->fovDegrees, camera.fovDegrees);
   EXPECT_TRUE(back->orthographic);
+}
+
+Camera at(double x) {
+  Camera camera;
+  camera.eye = {x, 0.0, 3.0};
+  camera.fovDegrees = 50.0;
+  return camera;
+}
+
+TEST(RecordedPath, ComesBackFromItsFile) {
+  const RecordedPath path = {{0.0, at(0.0)}, {0.25, at(1.0)}, {2.0, at(-1.5)}};
+  const auto back = parseRecordedPath(recordedPathJson(path));
+  ASSERT_TRUE(back) << back.error().message;
+  ASSERT_EQ(back->size(), 3U);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    EXPECT_EQ((*back)[i].seconds, path[i].seconds);
+    EXPECT_EQ((*back)[i].camera.eye, path[i].camera.eye);
+    EXPECT_EQ((*back)[i].camera.fovDegrees, 50.0);
+  }
+}
+
+TEST(RecordedPath, RunsStraightBetweenMomentsAndStandsAtItsEnds) {
+  const RecordedPath path = {{5.0, at(0.0)}, {6.0, at(1.0)}, {8.0, at(5.0)}};
+  EXPECT_EQ(durationOf(path), 3.0);
+  EXPECT_EQ(cameraAt(path, -1.0).eye.x, 0.0);
+  EXPECT_EQ(cameraAt(path, 0.5).eye.x, 0.5);
+  EXPECT_EQ(cameraAt(path, 2.0).eye.x, 3.0);
+  EXPECT_EQ(cameraAt(path, 3.0).eye.x, 5.0);
+  EXPECT_EQ(cameraAt(path, 9.0).eye.x, 5.0);
+}
+
+TEST(RecordedPath, WithoutTimesGoesATenthOfASecondEach) {
+  const auto path =
+      parseRecordedPath(R"([{"eye":[0,0,3],"target":[0,0,0]},{"eye":[1,0,3],"target":[0,0,0]}])");
+  ASSERT_TRUE(path);
+  EXPECT_EQ(durationOf(*path), 0.1);
+  EXPECT_EQ(parseRecordedPath(R"({"eye":[0,0,3],"target":[0,0,0]})")->size(), 1U);
+}
+
+TEST(RecordedPath, RefusesWhatIsNoneAndSaysWhere) {
+  for (const char* text :
+       {"",
+        "[]",
+        "3",
+        "[3]",
+        R"([{"eye":[0,0,3]}])",
+        R"([{"t":"x","eye":[0,0,3],"target":[0,0,0]}])",
+        R"([{"t":1,"eye":[0,0,3],"target":[0,0,0]},{"t":1,"eye":[0,1,3],"target":[0,0,0]}])"}) {
+    const auto path = parseRecordedPath(text);
+    ASSERT_FALSE(path) << text;
+    EXPECT_NE(path.error().message.find("entry"), std::string::npos);
+  }
+  EXPECT_EQ(readRecordedPath("/nonexistent/path.json").error().code, ErrorCode::kNotFound);
+}
+
+TEST(PathRecorder, KeepsHowLongTheCameraStood) {
+  PathRecorder recorder;
+  EXPECT_TRUE(recorder.path().empty());
+  for (const double seconds : {10.0, 10.5, 11.0})
+    recorder.add(seconds, at(0.0));
+  recorder.add(11.1, at(1.0));
+  recorder.add(12.0, at(1.0));
+  const RecordedPath path = recorder.path();
+  ASSERT_EQ(path.size(), 4U);
+  EXPECT_EQ(durationOf(path), 2.0);
+  EXPECT_EQ(cameraAt(path, 0.9).eye.x, 0.0) << "it stood";
+  EXPECT_NEAR(cameraAt(path, 1.05).eye.x, 0.5, 1e-9);
+  EXPECT_EQ(cameraAt(path, 2.0).eye.x, 1.0);
 }
 
 }  // namespace

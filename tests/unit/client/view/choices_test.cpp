@@ -19,6 +19,7 @@ ViewMemory unusual() {
       "hand",
       "off",
       3.5,
+      2.0,
       true,
       55.0,
       true,

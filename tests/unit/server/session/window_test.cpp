@@ -26,6 +26,20 @@ TEST(Window, ClosesWhenFullAndOpensWithAcknowledgements) {
   EXPECT_EQ(window.inFlightBytes(), 30U);
 }
 
+TEST(Window, KnowsSinceWhenItWaits) {
+  Window window(ofBytes(100));
+  EXPECT_FALSE(window.waitingSinceMs());
+  window.sent(10, 5);
+  window.sent(10, 7);
+  EXPECT_EQ(window.waitingSinceMs(), 5);
+  ASSERT_TRUE(window.acknowledge(5, 9));
+  EXPECT_EQ(window.waitingSinceMs(), 9);
+  ASSERT_TRUE(window.acknowledge(5, 12));
+  EXPECT_EQ(window.waitingSinceMs(), 9) << "the same again is no progress";
+  ASSERT_TRUE(window.acknowledge(20, 13));
+  EXPECT_FALSE(window.waitingSinceMs());
+}
+
 TEST(Window, LetsAMessageLargerThanItselfThroughAlone) {
   Window window(ofBytes(100));
   EXPECT_TRUE(window.allows(1000));

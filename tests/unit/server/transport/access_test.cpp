@@ -7,14 +7,17 @@ namespace limn {
 namespace {
 
 TEST(AccessRules, WithoutTokensEverybodyMayIn) {
-  EXPECT_TRUE(AccessRules{}.hasToken(""));
+  EXPECT_FALSE(AccessRules{}.guarded());
+  const auto grant = AccessRules{}.admit("", 0);
+  ASSERT_TRUE(grant);
+  EXPECT_EQ(*grant, nullptr);
 }
 
 TEST(AccessRules, ATokenMustMatchWhole) {
   AccessRules rules;
   rules.tokens = {"0123456789abcdef", "another-token-of-ours"};
-  EXPECT_TRUE(rules.hasToken("Bearer 0123456789abcdef"));
-  EXPECT_TRUE(rules.hasToken("Bearer another-token-of-ours"));
+  EXPECT_TRUE(rules.admit("Bearer 0123456789abcdef", 0));
+  EXPECT_TRUE(rules.admit("Bearer another-token-of-ours", 0));
   for (const char* wrong :
        {"",
         "0123456789abcdef",
@@ -23,20 +26,40 @@ TEST(AccessRules, ATokenMustMatchWhole) {
         "Bearer 0123456789abcdef ",
         "Bearer 0123456789abcdeF",
         "Basic 0123456789abcdef"}) {
-    EXPECT_FALSE(rules.hasToken(wrong)) << wrong;
+    EXPECT_FALSE(rules.admit(wrong, 0)) << wrong;
   }
+}
+
+TEST(AccessRules, ASignedTokenBringsItsRights) {
+  AccessRules rules;
+  rules.keys = {{"main", "0123456789abcdef0123456789abcdef"}};
+  const std::string token = signToken({{"ann", {"dragon"}}, 1000}, rules.keys[0]);
+  const auto grant = rules.admit("Bearer " + token, 999);
+  ASSERT_TRUE(grant);
+  ASSERT_NE(*grant, nullptr);
+  EXPECT_TRUE((*grant)->allows("dragon"));
+  EXPECT_FALSE((*grant)->allows("bunny"));
+  EXPECT_FALSE(rules.admit("Bearer " + token, 1000));
+  EXPECT_FALSE(rules.admit("", 0));
+  rules.tokens = {"0123456789abcdef"};
+  EXPECT_EQ(*rules.admit("Bearer 0123456789abcdef", 0), nullptr) << "everything";
 }
 
 TEST(AccessRules, PagesOfOtherSitesAreRefused) {
   AccessRules rules;
   EXPECT_TRUE(rules.allowsOrigin("", "host:8600")) << "no browser";
-  EXPECT_TRUE(rules.allowsOrigin("http://Host:3000", "host:8600")) << "our own host";
+  EXPECT_TRUE(rules.allowsOrigin("http://LocalHost:3000", "localhost:8600"));
+  EXPECT_TRUE(rules.allowsOrigin("http://127.0.0.1:3000", "127.0.0.1:8600"));
+  EXPECT_TRUE(rules.allowsOrigin("http://[::1]:3000", "[::1]:8600"));
+  EXPECT_FALSE(rules.allowsOrigin("http://127.0.0.1:3000", "192.0.2.1:8600"));
+  EXPECT_FALSE(rules.allowsOrigin("http://host:3000", "host:8600")) << "whoever owns the name";
   EXPECT_FALSE(rules.allowsOrigin("https://evil.example", "host:8600"));
-  EXPECT_FALSE(rules.allowsOrigin("https://host.evil.example", "host:8600"));
   EXPECT_FALSE(rules.allowsOrigin("null", "host:8600"));
+  EXPECT_FALSE(rules.allowsOrigin("://", ""));
   rules.origins = {"viewer.example"};
   EXPECT_TRUE(rules.allowsOrigin("https://viewer.example", "host:8600"));
   EXPECT_FALSE(rules.allowsOrigin("https://other.example", "host:8600"));
+  EXPECT_FALSE(rules.allowsOrigin("https://viewer.example.evil.example", "host:8600"));
 }
 
 TEST(ParseTokens, TakesOneALineAndNamesTheBadOne) {
@@ -49,22 +72,6 @@ TEST(ParseTokens, TakesOneALineAndNamesTheBadOne) {
   ASSERT_FALSE(bad);
   EXPECT_NE(bad.error().message.find("line 2"), std::string::npos);
   EXPECT_FALSE(parseTokens("0123456789 abcdef"));
-}
-
-TEST(ConnectionCounter, KeepsToBothLimits) {
-  AccessRules rules;
-  rules.maxClients = 3;
-  rules.maxClientsPerAddress = 2;
-  ConnectionCounter counter;
-  EXPECT_TRUE(counter.enter("a", rules));
-  EXPECT_TRUE(counter.enter("a", rules));
-  EXPECT_FALSE(counter.enter("a", rules));
-  EXPECT_TRUE(counter.enter("b", rules));
-  EXPECT_FALSE(counter.enter("c", rules));
-  counter.leave("a");
-  EXPECT_TRUE(counter.enter("c", rules));
-  counter.leave("never");
-  EXPECT_EQ(counter.total(), 3U);
 }
 
 TEST(ParseListenAddress, TakesHostsWithPorts) {

@@ -57,6 +57,32 @@ TEST(HttpRoutes, TheCatalogueHasEveryKeyOfTheContract) {
   EXPECT_TRUE(json[1]["asset"].is_null());
 }
 
+TEST(HttpRoutes, AnUpgradeThatIsNoneIsToldWhatToSend) {
+  const std::string key = "dGhlIHNhbXBsZSBub25jZQ==";
+  EXPECT_FALSE(refuseUpgrade({"13", key, "limn.1"}));
+  EXPECT_FALSE(refuseUpgrade({"13", key, "other ,  limn.1"}));
+  EXPECT_EQ(refuseUpgrade({"8", key, "limn.1"})->status, 426);
+  EXPECT_EQ(refuseUpgrade({"", key, "limn.1"})->status, 426);
+  EXPECT_EQ(refuseUpgrade({"13", key, ""})->status, 400);
+  EXPECT_EQ(refuseUpgrade({"13", key, "limn.10"})->status, 400);
+  EXPECT_EQ(refuseUpgrade({"13", key, "limn"})->status, 400);
+  for (const char* bad :
+       {"", "dGhlIHNhbXBsZSBub25jZQ=", "dGhlIHNhbXBsZSBub25jZQ===", "dGhl*HNhbXBsZSBub25jZQ=="}) {
+    EXPECT_EQ(refuseUpgrade({"13", bad, "limn.1"})->status, 400) << bad;
+  }
+}
+
+TEST(HttpRoutes, ARefusalSaysWhyAndWhenToComeAgain) {
+  const HttpReply full = refusalReply(Refusal::kTotal, "too many clients");
+  EXPECT_EQ(full.status, 503);
+  EXPECT_EQ(full.body, "too many clients\n");
+  EXPECT_EQ(full.headers.at(0).first, "retry-after");
+  EXPECT_TRUE(full.close);
+  EXPECT_EQ(refusalReply(Refusal::kAddress, "").status, 429);
+  EXPECT_EQ(refusalReply(Refusal::kToken, "").status, 401);
+  EXPECT_EQ(refusalReply(Refusal::kOrigin, "").status, 403);
+}
+
 TEST(HttpRoutes, AnEmptyCatalogueIsAList) {
   EXPECT_EQ(routeMain("/models", {}, {}).body, "[]\n");
 }

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/transport/connection.h"
+
+#include <libwebsockets.h>
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+namespace limn {
+namespace {
+
+constexpr std::size_t kMaxReasonBytes = 123;  // of a close frame [RFC 6455, 5.5]
+constexpr double kBurstSeconds = 2.0;
+constexpr std::size_t kSmallFrameBytes = 64;
+constexpr std::int64_t kLookMs = 1000;
+constexpr std::int64_t kFarewellMs = 2000;  // for a last message to a client that is given up
+
+}  // namespace
+
+Connection::Connection(Client client, Shared shared, std::int64_t nowMs)
+    : wsi_(client.socket),
+      number_(client.number),
+      shared_(shared),
+      session_(shared.sessions, *this, nowMs, std::move(client.grant)),
+      rate_(shared.limits.messagesPerSecond, kBurstSeconds * shared.limits.messagesPerSecond),
+      progressMs_(nowMs) {}
+
+void Connection::wantWrite() {
+  wantsWrite_ = true;
+  lws_callback_on_writable(wsi_);
+}
+
+int Connection::closeNow(int code, const std::string& reason, Ending ending) {
+  if (ending_ == Ending::kLeft) ending_ = ending;
+  std::array<unsigned char, kMaxReasonBytes> text{};
+  const std::size_t size = std::min(reason.size(), text.size());
+  // A cut must not leave half a character: a close reason is UTF-8.
+  std::transform(
+      reason.begin(),
+      reason.begin() + static_cast<std::ptrdiff_t>(size),
+      text.begin(),
+      [](char c) { return c >= ' ' && c < 0x7F ? static_cast<unsigned char>(c) : '?'; });
+  lws_close_reason(wsi_, static_cast<lws_close_status>(code), text.data(), size);
+  return -1;
+}
+
+void Connection::giveUp(const std::string& why, Ending ending, std::int64_t nowMs) {
+  if (givenUpMs_ != 0) return;
+  givenUpMs_ = nowMs;
+  if (ending_ == Ending::kLeft) ending_ = ending;
+  session_.refuseForLimit(why);
+}
+
+int Connection::receive(const void* in, std::size_t size, std::int64_t nowMs) {
+  const auto* bytes = static_cast<const std::uint8_t*>(in);
+  if (lws_frame_is_binary(wsi_) == 0) {
+    return closeNow(LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE, "messages are binary", Ending::kProtocol);
+  }
+  const std::size_t remaining = lws_remaining_packet_payload(wsi_);
+  const std::size_t most = shared_.limits.maxMessageBytes;
+  if (remaining > most || partial_.size() + size + remaining > most) {
+    return closeNow(
+        LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE,
+        "a message may have " + std::to_string(most) + " bytes",
+        Ending::kTooLarge);
+  }
+  const bool last = lws_is_final_fragment(wsi_) != 0 && remaining == 0;
+  // Small pieces count too: a message of empty ones need never end.
+  if ((last || size < kSmallFrameBytes) && !rate_.take(nowMs)) {
+    giveUp(
+        "too many messages; at most " + std::to_string(shared_.limits.messagesPerSecond) +
+            " a second",
+        Ending::kTooMany,
+        nowMs);
+    return 0;
+  }
+  if (!last) {
+    partial_.insert(partial_.end(), bytes, bytes + size);
+    return 0;
+  }
+  ++shared_.traffic.receivedMessages;
+  if (partial_.empty()) {
+    session_.receive({bytes, size}, nowMs);
+    return 0;
+  }
+  partial_.insert(partial_.end(), bytes, bytes + size);
+  session_.receive(partial_, nowMs);
+  partial_ = {};
+  return 0;
+}
+
+int Connection::write(std::int64_t nowMs) {
+  wantsWrite_ = false;
+  const auto message = session_.nextMessage(nowMs);
+  if (!message) {
+    const auto close = session_.close();
+    if (!close) return 0;
+    return *close == Session::Close::kGoingAway
+               ? closeNow(LWS_CLOSE_STATUS_GOINGAWAY, session_.closeReason(), Ending::kDrained)
+               : closeNow(
+                     LWS_CLOSE_STATUS_POLICY_VIOLATION,
+                     session_.closeReason(),
+                     Ending::kProtocol);
+  }
+  const protocol::Bytes bytes = message->bytes();
+  // The library writes its frame header in front of what it is given.
+  std::vector<std::uint8_t>& scratch = shared_.scratch;
+  scratch.resize(LWS_PRE + bytes.size());
+  std::memcpy(scratch.data() + LWS_PRE, bytes.data(), bytes.size());
+  const int written = lws_write(wsi_, scratch.data() + LWS_PRE, bytes.size(), LWS_WRITE_BINARY);
+  if (written < 0 || static_cast<std::size_t>(written) < bytes.size()) return -1;
+  progressMs_ = nowMs;
+  shared_.traffic.sentBytes += bytes.size();
+  ++shared_.traffic.sentMessages;
+  rate_.give(static_cast<double>(bytes.size()) / 1024.0);
+  wantWrite();
+  return 0;
+}
+
+/// Whether for too long the network took nothing of what we have for the client, or the client
+/// acknowledged nothing of what it has been given. A slow link alone is no reason.
+bool Connection::stalled(std::int64_t nowMs) {
+  const auto waiting = session_.waitingSinceMs();
+  if (!waiting && !wantsWrite_) {
+    progressMs_ = nowMs;
+    return false;
+  }
+  if (nowMs - lookedMs_ >= std::min(kLookMs, shared_.limits.progressMs / 4)) {
+    lookedMs_ = nowMs;
+    int queued = 0;
+    if (ioctl(lws_get_socket_fd(wsi_), SIOCOUTQ, &queued) == 0 && queued != queuedBytes_) {
+      queuedBytes_ = queued;
+      progressMs_ = nowMs;
+    }
+  }
+  const std::int64_t since =
+      queuedBytes_ > 0 ? std::max(progressMs_, waiting.value_or(0)) : waiting.value_or(progressMs_);
+  return nowMs - since > shared_.limits.progressMs;
+}
+
+bool Connection::tick(std::int64_t nowMs) {
+  session_.update(nowMs);
+  if (givenUpMs_ != 0) return nowMs - givenUpMs_ <= kFarewellMs;
+  if (!session_.greeted() && nowMs - session_.bornMs() > shared_.limits.handshakeMs) {
+    giveUp(
+        "no Hello within " + std::to_string(shared_.limits.handshakeMs) + " ms",
+        Ending::kLate,
+        nowMs);
+  } else if (stalled(nowMs)) {
+    giveUp(
+        "nothing taken or acknowledged for " + std::to_string(shared_.limits.progressMs) + " ms",
+        Ending::kStalled,
+        nowMs);
+  }
+  return true;
+}
+
+void Connection::drain(std::uint32_t retryAfterMs) {
+  session_.drain(retryAfterMs);
+}
+
+}  // namespace limn
