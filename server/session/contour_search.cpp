@@ -112,7 +112,8 @@ ContourSearch::ContourSearch(
       held_(start_),
       client_(meshOf(forest_, held_)),
       votes_(forest_.vertexCount(), 0.0F),
-      stamps_(forest_.vertexCount(), 0) {
+      stamps_(forest_.vertexCount(), 0),
+      reach_(forest_.vertexCount(), 0) {
   heldCount_ = static_cast<std::uint32_t>(client_.ids().size());
   truth_ = finder_.find(full.field(view.kind), view.picture, kSpacingPx * view.errorPx);
   truthPixels_.emplace(
@@ -232,25 +233,28 @@ void ContourSearch::collectVotes() {
   }
 }
 
-/// v and its prerequisites that are missing.
-void ContourSearch::closureOf(VertexId v, std::vector<VertexId>& out) {
+/// v and its prerequisites that `held` lacks, into closure_. False when they are more than `most`:
+/// then only some of them are there.
+bool ContourSearch::findClosure(VertexId v, std::span<const std::uint64_t> held, std::size_t most) {
   ++stamp_;
-  out.clear();
+  closure_.clear();
   open_.assign(1, v);
   stamps_[v] = stamp_;
-  const auto want = [this](VertexId w) {
-    if (holds(held_, w) || stamps_[w] == stamp_) return;
+  const auto want = [&](VertexId w) {
+    if (holds(held, w) || stamps_[w] == stamp_) return;
     stamps_[w] = stamp_;
     open_.push_back(w);
   };
   while (!open_.empty()) {
     const VertexId w = open_.back();
     open_.pop_back();
-    out.push_back(w);
+    closure_.push_back(w);
     want(forest_.parent(w));
     for (const VertexId x : forest_.ring(w))
       want(x);
+    if (closure_.size() + open_.size() > most) return false;
   }
+  return true;
 }
 
 void ContourSearch::add(VertexId v) {
@@ -260,16 +264,26 @@ void ContourSearch::add(VertexId v) {
   ++heldCount_;
 }
 
-std::vector<ContourSearch::Candidate> ContourSearch::rankedCandidates() {
-  collectVotes();
+/// Those of `open` that are worth at least so much, most worthy first; they are taken out of
+/// `open`. held: what the client has, closed; a closure is only followed as far as it may still
+/// pay.
+std::vector<ContourSearch::Candidate> ContourSearch::rankedFrom(
+    double worth,
+    std::span<const std::uint64_t> held,
+    std::vector<Candidate>& open) {
   std::vector<Candidate> ranked;
-  std::vector<VertexId> needs;
-  for (const VertexId v : voted_) {
-    closureOf(v, needs);
-    ranked.push_back({v, votes_[v] / static_cast<float>(needs.size())});
-    votes_[v] = 0.0F;
-  }
-  voted_.clear();
+  std::erase_if(open, [&](Candidate& candidate) {
+    const double most = candidate.votes / worth;
+    if (reach_[candidate.vertex] > heldThen_ + most) return false;
+    const bool isWhole =
+        findClosure(candidate.vertex, held, static_cast<std::size_t>(std::min(most, 1e9)));
+    const std::size_t needs = closure_.size() + open_.size();
+    reach_[candidate.vertex] = heldThen_ + static_cast<std::uint32_t>(needs);
+    if (!isWhole) return false;
+    candidate.worth = candidate.votes / static_cast<float>(needs);
+    ranked.push_back(candidate);
+    return true;
+  });
   std::ranges::sort(ranked, [](const Candidate& a, const Candidate& b) {
     return a.worth != b.worth ? a.worth > b.worth : a.vertex < b.vertex;
   });
@@ -278,20 +292,31 @@ std::vector<ContourSearch::Candidate> ContourSearch::rankedCandidates() {
 
 /// Adds the most worthy. False when there is nothing to add.
 bool ContourSearch::addRound() {
-  const std::vector<Candidate> ranked = rankedCandidates();
-  if (ranked.empty()) return false;
+  collectVotes();
+  std::vector<Candidate> open;
+  for (const VertexId v : voted_) {
+    open.push_back({v, votes_[v], 0.0F});
+    votes_[v] = 0.0F;
+  }
+  voted_.clear();
+  if (open.empty()) return false;
   const double hurry = 1.0 + std::max(0, rounds_ - kHurryFrom) / 10.0;
   const double greed = hurry * std::max(options_.leastGreed, options_.greed * off_.worst());
   const auto room = static_cast<std::uint32_t>(std::max(8.0, greed * heldCount_));
   const std::uint32_t end = heldCount_ + room;
-  std::vector<VertexId> needs;
-  for (const Candidate& candidate : ranked) {
-    if (heldCount_ >= end) break;
-    if (holds(held_, candidate.vertex)) continue;
-    closureOf(candidate.vertex, needs);
-    std::ranges::sort(needs);
-    for (const VertexId v : needs)
-      add(v);
+  // All are ranked by what they needed when the round began.
+  const std::vector<std::uint64_t> held = held_;
+  heldThen_ = heldCount_;
+  for (double worth = worthLast_; !open.empty() && heldCount_ < end; worth /= 4.0) {
+    for (const Candidate& candidate : rankedFrom(worth, held, open)) {
+      if (heldCount_ >= end) break;
+      if (holds(held_, candidate.vertex)) continue;
+      worthLast_ = candidate.worth;
+      findClosure(candidate.vertex, held_, forest_.vertexCount());
+      std::ranges::sort(closure_);
+      for (const VertexId v : closure_)
+        add(v);
+    }
   }
   return true;
 }
@@ -322,7 +347,7 @@ bool ContourSearch::pruneRound(double part) {
   }
   std::vector<Candidate> leaves;
   for (const VertexId v : client_.ids()) {
-    if (stamps_[v] != stamp_ && !holds(start_, v)) leaves.push_back({v, votes_[v]});
+    if (stamps_[v] != stamp_ && !holds(start_, v)) leaves.push_back({v, votes_[v], votes_[v]});
     votes_[v] = 0.0F;
   }
   const auto count = static_cast<std::size_t>(std::ceil(part * static_cast<double>(leaves.size())));

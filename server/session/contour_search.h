@@ -76,17 +76,19 @@ class ContourSearch {
  private:
   struct Candidate {
     VertexId vertex = kNone;
-    float worth = 0.0F;  // length put right, by guess, a split
+    float votes = 0.0F;  // length put right, by guess
+    float worth = 0.0F;  // that a split
   };
 
   void compare();
   void noteDetail();
   void collectVotes();
-  [[nodiscard]] std::vector<Candidate> rankedCandidates();
+  [[nodiscard]] std::vector<Candidate>
+  rankedFrom(double worth, std::span<const std::uint64_t> held, std::vector<Candidate>& open);
   bool addRound();
   bool pruneRound(double part);
   void vote(VertexId v, float weight);
-  void closureOf(VertexId v, std::vector<VertexId>& out);
+  bool findClosure(VertexId v, std::span<const std::uint64_t> held, std::size_t most);
   void add(VertexId v);
   [[nodiscard]] VertexId nextChildOf(VertexId parent) const;
   [[nodiscard]] VertexId nextTowards(VertexId v) const;
@@ -121,6 +123,12 @@ class ContourSearch {
   std::vector<std::uint32_t> stamps_;  // by vertex: closures it was seen in last
   std::uint32_t stamp_ = 0;
   std::vector<VertexId> open_;
+  std::vector<VertexId> closure_;
+  /// By vertex: splits held and splits missing for it when its closure was last looked at; at least
+  /// so many, less those held by now, are missing still. 0: never looked at.
+  std::vector<std::uint32_t> reach_;
+  std::uint32_t heldThen_ = 0;  // splits held when the round began
+  double worthLast_ = 1e3;      // of the least worthy candidate of the last round
 };
 
 /// The mesh of a closed set of splits (words as in HaveSet, base included).

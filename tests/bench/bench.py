@@ -15,8 +15,11 @@ import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "integration"))
 import harness  # noqa: E402
+import slow_link  # noqa: E402
 
-GROUPS = ("stream", "simplify", "hull", "silhouette", "visibility", "clip", "draw", "server")
+harness.DEADLINE_S = 1800  # of one program: the largest meshes on a busy machine
+
+GROUPS = ("stream", "simplify", "hull", "silhouette", "visibility", "clip", "draw", "link", "server")
 # Bytes until settled and exact (edges) over one Draco mesh of the same 12-bit grid.
 SELECTION_TARGETS = {
     "bunny-closed": {"settled": 0.10, "exact": 0.60},
@@ -384,6 +387,25 @@ class Bench:
                 self.table.add("  contours covered", name, row["covered_percent"], None, 99, "%", better="higher")
                 self.table.add("  false line, longest", name, row["false_px"], None, None if way in ("charcoal", "image-edges") else 3,
                                "px")
+
+    def link(self):
+        """Over 1 Mbit/s, 25 ms each way: when there is something to see, when it is as good as the whole, and how long the
+        same mesh as one Draco file takes on that link, drawing apart. Pictures and the diagram stay in build/link."""
+        kept = pathlib.Path(__file__).resolve().parents[2] / "build" / "link"
+        kept.mkdir(parents=True, exist_ok=True)
+        names = [n for n in ("dragon", "turbine-blade", "bunny-closed") if n in self.files] or list(self.files)
+        for name in names[-1:] if self.quick else names:
+            asset = self.store / "assets" / self.prepare(name, 12)["asset"]
+            key = name + "-12"
+            with harness.Server(self.store) as server:
+                seen = slow_link.watch(server, asset, key, kept)
+            draco = self.draco[key] / 125_000 + 0.1 if key in self.draco else None  # two round trips to ask for it
+            self.table.add("1 Mbit/s, base mesh", name, seen["base_s"], draco, None, "s")
+            self.table.add("1 Mbit/s, settled at 1 px", name, seen["settled_s"], draco, None, "s")
+            for moment in seen["moments"]:
+                self.table.add("  contours off after %.2f s" % moment["seconds"], name, moment["p95_px"], None, None, "px")
+            if draco:
+                slow_link.diagram(name, seen, draco, kept / (name + ".svg"))
 
     def server(self):
         name = "dragon" if "dragon" in self.files else list(self.files)[-1]

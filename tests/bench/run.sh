@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Builds a release and measures it; prints one table: row, mesh, ours, reference, ratio, target, met or not.
-#   tests/bench/run.sh [stream] [simplify] [hull] [silhouette] [visibility] [clip] [draw] [server] [--models DIR] [--quick] [--json F]
+#   tests/bench/run.sh [stream] [simplify] [hull] [silhouette] [visibility] [clip] [draw] [link] [server] [--models DIR] [--quick] [--json F]
 # Without a group: all of them. Without --models: ../shared/models when there, else generated meshes. Any good mesh can be
 # put in DIR. --quick takes the three smallest real meshes (or the generated ones) and shortens the load run.
 set -eu
@@ -25,6 +25,7 @@ for group in "$@"; do
     simplify) targets="$targets limn-prepare limn-simplify-bench" ;;
     stream) targets="$targets limn-prepare limn-server limn-client limn-codec-bench limn-selection-bench" ;;
     clip) targets="$targets limn-prepare limn-clip-bench limn-contour-bench" ;;
+    link) targets="$targets limn-prepare limn-server limn-client" ;;
     server) targets="$targets limn-prepare limn-server limn-load limn-delivery-bench" ;;
   esac
 done
