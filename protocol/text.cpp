@@ -4,14 +4,18 @@
 #include <cstdint>
 
 namespace limn::protocol {
+namespace {
 
-bool isText(std::string_view text, std::size_t maxBytes) {
-  if (text.size() > maxBytes) return false;
+/// Whether the text is UTF-8 and all its characters are `fine`.
+template <class Fine>
+bool allCharacters(std::string_view text, Fine fine) {
   std::size_t i = 0;
   while (i < text.size()) {
     const auto first = static_cast<std::uint8_t>(text[i++]);
-    if (first < 0x20 || first == 0x7F) return false;
-    if (first < 0x80) continue;
+    if (first < 0x80) {
+      if (!fine(std::uint32_t{first})) return false;
+      continue;
+    }
     // RFC 3629: length by the first byte, no overlong forms, no surrogates, nothing past U+10FFFF.
     const int more = first >= 0xF0 ? 3 : first >= 0xE0 ? 2 : 1;
     if (first < 0xC2 || first > 0xF4) return false;
@@ -24,9 +28,22 @@ bool isText(std::string_view text, std::size_t maxBytes) {
     }
     const std::uint32_t least = more == 3 ? 0x10000 : more == 2 ? 0x800 : 0x80;
     if (code < least || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return false;
-    if (code < 0xA0) return false;  // C1 control characters
+    if (!fine(code)) return false;
   }
   return true;
+}
+
+}  // namespace
+
+bool isUtf8(std::string_view text) {
+  return allCharacters(text, [](std::uint32_t) { return true; });
+}
+
+bool isText(std::string_view text, std::size_t maxBytes) {
+  // Neither C0 nor C1 control characters.
+  return text.size() <= maxBytes && allCharacters(text, [](std::uint32_t code) {
+           return code >= 0x20 && (code < 0x7F || code >= 0xA0);
+         });
 }
 
 }  // namespace limn::protocol

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/transport/connection.h"
 
+#include "protocol/text.h"
+
 #include <libwebsockets.h>
 #include <linux/sockios.h>
 #include <sys/ioctl.h>
@@ -90,6 +92,18 @@ int Connection::receive(const void* in, std::size_t size, std::int64_t nowMs) {
   partial_.insert(partial_.end(), bytes, bytes + size);
   session_.receive(partial_, nowMs);
   partial_ = {};
+  return 0;
+}
+
+// The library would send back one byte as it came, and looks at the reason's bytes one by one, so
+// that it misses a character that is cut off at the end.
+int Connection::closedByPeer(std::string_view payload) {
+  if (payload.size() == 1) {
+    return closeNow(LWS_CLOSE_STATUS_PROTOCOL_ERR, "half a close code", Ending::kProtocol);
+  }
+  if (payload.size() > 2 && !protocol::isUtf8(payload.substr(2))) {
+    return closeNow(LWS_CLOSE_STATUS_INVALID_PAYLOAD, "the reason is not UTF-8", Ending::kProtocol);
+  }
   return 0;
 }
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 struct lws;
@@ -47,6 +48,8 @@ class Connection final : public Peer {
 
   [[nodiscard]] int receive(const void* in, std::size_t size, std::int64_t nowMs);
   [[nodiscard]] int write(std::int64_t nowMs);
+  /// The payload of the client's close frame. 0: the library answers it as it is.
+  [[nodiscard]] int closedByPeer(std::string_view payload);
   /// About 20 times a second: deadlines. False when the socket is to be cut.
   [[nodiscard]] bool tick(std::int64_t nowMs);
 

@@ -21,6 +21,33 @@ HttpReply text(int status, std::string body) {
   return {status, "text/plain; charset=utf-8", std::move(body)};
 }
 
+const char* phraseOf(int status) {
+  switch (status) {
+    case 200:
+      return "OK";
+    case 400:
+      return "Bad Request";
+    case 401:
+      return "Unauthorized";
+    case 403:
+      return "Forbidden";
+    case 404:
+      return "Not Found";
+    case 405:
+      return "Method Not Allowed";
+    case 408:
+      return "Request Timeout";
+    case 426:
+      return "Upgrade Required";
+    case 429:
+      return "Too Many Requests";
+    case 503:
+      return "Service Unavailable";
+    default:
+      return "Error";
+  }
+}
+
 HttpReply notFound(std::string_view path, const char* known) {
   return text(404, "no " + std::string(path.substr(0, 100)) + " here; there is " + known + "\n");
 }
@@ -65,6 +92,16 @@ class MetricsWriter {
 };
 
 }  // namespace
+
+std::string httpText(const HttpReply& reply) {
+  std::string text = "HTTP/1.1 " + std::to_string(reply.status) + " " + phraseOf(reply.status) +
+                     "\r\ncontent-type: " + reply.contentType +
+                     "\r\ncontent-length: " + std::to_string(reply.body.size()) + "\r\n";
+  for (const auto& [name, value] : reply.headers)
+    text += name + ": " + value + "\r\n";
+  if (reply.close) text += "connection: close\r\n";
+  return text + "\r\n" + reply.body;
+}
 
 HttpReply refusalReply(Refusal refusal, const std::string& why) {
   HttpReply reply = text(400, why + "\n");

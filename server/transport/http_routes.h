@@ -22,6 +22,9 @@ struct HttpReply {
   bool close = false;                                             // the connection ends with it
 };
 
+/// The reply on the wire [RFC 9112].
+[[nodiscard]] std::string httpText(const HttpReply& reply);
+
 /// What somebody is told who is turned away, `why` in a line.
 [[nodiscard]] HttpReply refusalReply(Refusal refusal, const std::string& why);
 

@@ -37,10 +37,9 @@ constexpr double kTickSeconds = 0.05;
 constexpr std::size_t kTxPacketBytes = 64 * 1024;
 constexpr std::size_t kRxBufferBytes = 4 * 1024;
 constexpr std::size_t kMaxHeaderBytes = 4 * 1024;  // of a request
-constexpr std::size_t kMaxReplyHeaderBytes = 1024;
-constexpr std::size_t kSpareFiles = 128;   // besides clients: store, models, workers, HTTP
-constexpr std::size_t kSpareSockets = 16;  // besides clients, and as many from one address
-constexpr double kLoggedRefusals = 10.0;   // a second: a flood must not fill the disk
+constexpr std::size_t kSpareFiles = 128;           // besides clients: store, models, workers, HTTP
+constexpr std::size_t kSpareSockets = 16;          // besides clients, and as many from one address
+constexpr double kLoggedRefusals = 10.0;           // a second: a flood must not fill the disk
 constexpr std::uint32_t kDrainRetryMs = 500;
 constexpr std::uint32_t kDrainSpreadMs = 2000;
 
@@ -85,11 +84,9 @@ std::string addressOf(int file) {
 }
 
 /// A word to somebody whose request will not be read. Best effort: it may be lost.
-void sayAtTheDoor(int file, const char* status, const std::string& why) {
-  const std::string text = std::string("HTTP/1.1 ") + status +
-                           "\r\nconnection: close\r\ncontent-type: text/plain\r\n"
-                           "content-length: " +
-                           std::to_string(why.size() + 1) + "\r\n\r\n" + why + "\n";
+void sayAtTheDoor(int file, int status, const std::string& why) {
+  HttpReply reply{status, "text/plain; charset=utf-8", why + "\n", {}, true};
+  const std::string text = httpText(reply);
   static_cast<void>(::send(file, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL));
 }
 
@@ -258,7 +255,7 @@ Result<void> Transport::start() {
   info.foreign_loops = loops;
   info.user = this;
   info.options = LWS_SERVER_OPTION_LIBEV | LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
-                 LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT | LWS_SERVER_OPTION_VALIDATE_UTF8;
+                 LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
   info.max_http_header_data = kMaxHeaderBytes;
   info.fd_limit_per_thread = static_cast<unsigned>(std::min<std::size_t>(mostFiles, 1U << 20));
   info.pt_serv_buf_size = static_cast<unsigned>(kTxPacketBytes);
@@ -322,7 +319,7 @@ int Transport::filter(int file) {
   if (!full) return 0;
   countRefusal(*full, address);
   if (options_.tlsCertificate.empty()) {
-    sayAtTheDoor(file, "503 Service Unavailable", "too many connections");
+    sayAtTheDoor(file, 503, "too many connections");
   }
   return 1;
 }
@@ -366,6 +363,10 @@ std::optional<HttpReply> Transport::refuse(lws* wsi, Socket& socket) {
   const auto away = [&](Refusal why, const std::string& text) {
     return turnAway(why, socket.address, text);
   };
+  if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0 ||
+      header(wsi, WSI_TOKEN_HTTP) != "HTTP/1.1") {
+    return away(Refusal::kRequest, "an upgrade is a GET of HTTP/1.1");
+  }
   if (isMetrics(wsi)) return away(Refusal::kRequest, "there are no WebSockets on this port");
   if (drainUntilMs_ != 0) return away(Refusal::kDraining, "the server is going down");
   auto grant = grantOf(wsi);
@@ -450,6 +451,10 @@ int Transport::onWebSocket(lws* wsi, lws_callback_reasons reason, void* in, std:
                  : -1;
     case LWS_CALLBACK_SERVER_WRITEABLE:
       return socket != nullptr && socket->connection ? socket->connection->write(nowMs()) : -1;
+    case LWS_CALLBACK_WS_PEER_INITIATED_CLOSE:
+      return socket != nullptr && socket->connection
+                 ? socket->connection->closedByPeer({static_cast<const char*>(in), size})
+                 : -1;
     case LWS_CALLBACK_CLOSED:
       if (socket != nullptr) ended(*socket);
       return 0;
@@ -511,33 +516,10 @@ int Transport::answer(lws* wsi, std::string_view path) {
 
 /// The answer, headers and body in one piece, which the library sends as the client takes it.
 int Transport::reply(lws* wsi, const HttpReply& reply) {
-  scratch_.resize(LWS_PRE + kMaxReplyHeaderBytes + reply.body.size());
-  unsigned char* const begin = scratch_.data() + LWS_PRE;
-  unsigned char* const end = begin + kMaxReplyHeaderBytes;
-  unsigned char* at = begin;
-  bool fine = lws_add_http_common_headers(
-                  wsi,
-                  static_cast<unsigned>(reply.status),
-                  reply.contentType.c_str(),
-                  reply.body.size(),
-                  &at,
-                  end) == 0;
-  auto headers = reply.headers;
-  if (reply.close) headers.emplace_back("connection", "close");
-  for (const auto& [name, value] : headers) {
-    fine = fine && lws_add_http_header_by_name(
-                       wsi,
-                       reinterpret_cast<const unsigned char*>((name + ":").c_str()),
-                       reinterpret_cast<const unsigned char*>(value.c_str()),
-                       static_cast<int>(value.size()),
-                       &at,
-                       end) == 0;
-  }
-  if (!fine || lws_finalize_http_header(wsi, &at, end) != 0) return -1;
-  std::memcpy(at, reply.body.data(), reply.body.size());
-  at += reply.body.size();
-  const auto size = static_cast<std::size_t>(at - begin);
-  if (lws_write(wsi, begin, size, LWS_WRITE_HTTP) < static_cast<int>(size)) return -1;
+  const std::string text = httpText(reply);
+  scratch_.resize(LWS_PRE + text.size());
+  std::memcpy(scratch_.data() + LWS_PRE, text.data(), text.size());
+  if (lws_write(wsi, scratch_.data() + LWS_PRE, text.size(), LWS_WRITE_HTTP) < 0) return -1;
   if (Socket* socket = socketOf(wsi)) {
     socket->answered = true;
     socket->deadlineMs = nowMs() + options_.limits.progressMs;
@@ -584,7 +566,7 @@ void Transport::onTick() {
     if (!socket->answered && options_.tlsCertificate.empty()) {
       sayAtTheDoor(
           lws_get_socket_fd(socket->wsi),
-          "408 Request Timeout",
+          408,
           "no request within " + std::to_string(options_.limits.handshakeMs) + " ms");
     }
     cut(socket->wsi);
