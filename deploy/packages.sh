@@ -16,7 +16,7 @@ build="ca-certificates ccache cmake g++ make ninja-build pkg-config
 run="libegl-mesa0 libgl1-mesa-dri libosmesa6 libwebsockets-evlib-ev"
 
 # Tests, benches, sanitizers and style checks.
-test="libgtest-dev libbenchmark-dev draco python3 git xvfb xauth xdotool
+test="libgtest-dev libbenchmark-dev draco openssl python3 python3-websockets git xvfb xauth xdotool
   librsvg2-bin clang libclang-rt-14-dev llvm-14 clang-format clang-tidy"
 
 # What benches compare with, where it is there.
