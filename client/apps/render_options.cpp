@@ -2,6 +2,7 @@
 #include "client/apps/render_options.h"
 
 #include "client/apps/detector_flags.h"
+#include "client/apps/picture_flags.h"
 #include "client/apps/source_flags.h"
 #include "client/apps/sweep_options.h"
 #include "client/apps/view_options.h"
@@ -51,14 +52,15 @@ std::optional<Number> parseNumber(std::string_view text) {
 
 /// Flags as the command line has them, before they are understood.
 struct RawFlags {
-  std::string camera, size, until, draw = "strokes", detector = "exact", silhouette = "smooth";
-  std::string features = "crease,border,seam", hidden = "style", gl = "egl", path, brush = "none";
+  std::string until, draw = "strokes", detector = "exact", silhouette = "smooth";
+  std::string features = "crease,border,seam", hidden = "style", path, brush = "none";
   std::string assets, out, svg, light, lineColor, firstLayer = "auto";
   std::string widthUnits = "px", contours = "client";
   std::optional<double> fov, width, brushAmplitude, brushFrequency;
   double widthFalloff = 0.0;
   std::uint32_t brushSeed = 1;
   DetectorFlags detectorFlags;
+  PictureFlags pictureFlags;
 };
 
 /// Where silhouettes come from, and what that needs.
@@ -161,31 +163,23 @@ Result<void> understandDrawing(const RawFlags& raw, RenderCommandOptions& option
   const auto firstLayer = parseFirstLayer(raw.firstLayer);
   if (!firstLayer) return tl::unexpected(firstLayer.error().within("--first-layer"));
   options.firstLayer = *firstLayer;
-  const auto gl = parseGlBackend(raw.gl);
-  if (!gl) return tl::unexpected(gl.error());
-  options.gl = *gl;
   if (!raw.assets.empty()) options.assets = raw.assets;
   return {};
 }
 
 Result<void> understandView(const RawFlags& raw, RenderCommandOptions& options) {
-  if (!raw.camera.empty() && !options.cameraFile.empty()) {
+  const auto picture = raw.pictureFlags.parse();
+  if (!picture) return tl::unexpected(picture.error());
+  options.orbit = picture->orbit;
+  options.viewport = picture->size.value_or(options.viewport);
+  options.gl = picture->gl;
+  if (options.orbit && !options.cameraFile.empty()) {
     return wrong("give --camera or --camera-file, not both");
-  }
-  if (!raw.camera.empty()) {
-    const auto orbit = parseOrbit(raw.camera);
-    if (!orbit) return tl::unexpected(orbit.error());
-    options.orbit = *orbit;
   }
   if (raw.fov && !(*raw.fov >= 1.0 && *raw.fov <= 170.0)) {
     return wrong("--fov is the vertical angle of view in degrees, 1 to 170");
   }
   options.fovDegrees = raw.fov;
-  if (!raw.size.empty()) {
-    const auto size = parseSize(raw.size);
-    if (!size) return tl::unexpected(size.error());
-    options.viewport = *size;
-  }
   if (!raw.until.empty()) {
     const auto until = parseUntil(raw.until);
     if (!until) return tl::unexpected(until.error());
@@ -232,11 +226,14 @@ void addRender(CLI::App& app, RenderCommandOptions& o, RawFlags& raw) {
   };
   addSourceFlags(app, o.source);
 
-  app.add_option("--camera", raw.camera, "orbit:AZIMUTH,ELEVATION[,DISTANCE], degrees and radii");
+  raw.pictureFlags.addTo(
+      app,
+      {.camera = "orbit:AZIMUTH,ELEVATION[,DISTANCE], degrees and radii",
+       .size = "Picture size (1024x1024)",
+       .gl = "egl|osmesa"});
   path("--camera-file", o.cameraFile, R"(JSON {"eye","target","up","fov","ortho"})");
   app.add_option("--fov", raw.fov, "Vertical angle of view, degrees (40)");
   app.add_flag("--ortho", o.orthographic, "Orthographic, with the same extent at the target");
-  app.add_option("--size", raw.size, "Picture size (1024x1024)");
   app.add_option(
       "--until",
       raw.until,
@@ -287,7 +284,6 @@ void addRender(CLI::App& app, RenderCommandOptions& o, RawFlags& raw) {
       "--first-layer",
       raw.firstLayer,
       "auto|winding|numbers: how image-precision tells the front from the rest");
-  app.add_option("--gl", raw.gl, "egl|osmesa");
   app.add_option("--assets", raw.assets, "Folder of texture sets");
 
   app.add_option(

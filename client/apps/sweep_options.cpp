@@ -40,12 +40,14 @@ void SweepFlags::addTo(CLI::App& app) {
   app.add_option("--detectors", detectors_, "all, or names between commas (all)");
   app.add_option("--silhouette", silhouette_, "smooth|edges");
   app.add_option("--light", light_, "X,Y,Z: silhouettes as a light there sees them");
-  app.add_option("--camera", camera_, "orbit:AZIMUTH,ELEVATION[,DISTANCE] of the first frame");
   app.add_option("--fov", options_.fovDegrees, "Vertical angle of view, degrees (40)")
       ->check(CLI::Range(1.0, 170.0));
   app.add_flag("--ortho", options_.orthographic, "Orthographic");
-  app.add_option("--size", size_, "Size of the image detector's pictures (1024x1024)");
-  app.add_option("--gl", gl_, "egl|osmesa, for the image detector");
+  pictureFlags_.addTo(
+      app,
+      {.camera = "orbit:AZIMUTH,ELEVATION[,DISTANCE] of the first frame",
+       .size = "Size of the image detector's pictures (1024x1024)",
+       .gl = "egl|osmesa, for the image detector"});
   app.add_option("--csv", options_.csv, "Table: a row a mesh, detector and frame");
   app.add_option("--plot", options_.plot, "Plots (SVG)");
   detectorFlags_.addTo(app);
@@ -89,19 +91,11 @@ Result<SweepCommandOptions> SweepFlags::parse() const {
     if (!light) return tl::unexpected(light.error());
     options.light = *light;
   }
-  if (!camera_.empty()) {
-    const auto orbit = parseOrbit(camera_);
-    if (!orbit) return tl::unexpected(orbit.error());
-    options.orbit = *orbit;
-  }
-  if (!size_.empty()) {
-    const auto size = parseSize(size_);
-    if (!size) return tl::unexpected(size.error());
-    options.viewport = *size;
-  }
-  const auto gl = parseGlBackend(gl_);
-  if (!gl) return tl::unexpected(gl.error());
-  options.gl = *gl;
+  const auto picture = pictureFlags_.parse();
+  if (!picture) return tl::unexpected(picture.error());
+  options.orbit = picture->orbit.value_or(options.orbit);
+  options.viewport = picture->size.value_or(options.viewport);
+  options.gl = picture->gl;
   return options;
 }
 

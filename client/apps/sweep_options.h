@@ -2,6 +2,7 @@
 #pragma once
 
 #include "client/apps/detector_flags.h"
+#include "client/apps/picture_flags.h"
 #include "client/apps/render_options.h"
 #include "client/pose/orbit.h"
 #include "client/render/gl_context.h"
@@ -53,10 +54,8 @@ class SweepFlags {
   int quantizationBits_ = 14;
   std::string detectors_ = "all";
   std::string silhouette_ = "smooth";
-  std::string camera_;
   std::string light_;
-  std::string size_;
-  std::string gl_ = "egl";
+  PictureFlags pictureFlags_;
 };
 
 /// Parses `all`, or names of detectors between commas. Errors: kInvalidArgument.

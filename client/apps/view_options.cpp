@@ -27,8 +27,11 @@ void ViewFlags::addTo(CLI::App& app) {
   ViewCommandOptions& o = options_;
   addSourceFlags(app, o.source);
 
-  app.add_option("--camera", camera_, "orbit:AZIMUTH,ELEVATION[,DISTANCE], degrees and radii");
-  app.add_option("--size", size_, "Window size (as last time)");
+  pictureFlags_.addTo(
+      app,
+      {.camera = "orbit:AZIMUTH,ELEVATION[,DISTANCE], degrees and radii",
+       .size = "Window size (as last time)",
+       .gl = "egl|osmesa: what pictures are drawn with"});
   app.add_option("--error-px", o.errorPx, "Error bound of settled, pixels (1)")
       ->check(CLI::Range(0.1, 64.0));
   app.add_option("--memory", o.memoryMib, "MiB for the streamed mesh (no limit)")
@@ -49,7 +52,6 @@ void ViewFlags::addTo(CLI::App& app) {
       ->group(kLook);
   app.add_flag("--ortho", o.chosen.orthographic, "Orthographic")->group(kLook);
 
-  app.add_option("--gl", gl_, "egl|osmesa: what pictures are drawn with");
   app.add_option("--assets", assets_, "Folder of texture sets");
   app.add_option("--save-to", o.saveFolder, "Folder for saved pictures (the present one)");
   app.add_option("--remember", o.memoryFile, "File of what is remembered");
@@ -62,19 +64,11 @@ Result<ViewCommandOptions> ViewFlags::parse() const {
   // The catalogue names a model where the command line does not.
   if (!source.serverUrl.empty() && source.model.empty()) source.model = "model";
   if (auto ok = checkSource(source); !ok) return tl::unexpected(ok.error());
-  if (!camera_.empty()) {
-    const auto orbit = parseOrbit(camera_);
-    if (!orbit) return tl::unexpected(orbit.error());
-    options.orbit = *orbit;
-  }
-  if (!size_.empty()) {
-    const auto size = parseSize(size_);
-    if (!size) return tl::unexpected(size.error());
-    options.size = *size;
-  }
-  const auto gl = parseGlBackend(gl_);
-  if (!gl) return tl::unexpected(gl.error());
-  options.gl = *gl;
+  const auto picture = pictureFlags_.parse();
+  if (!picture) return tl::unexpected(picture.error());
+  options.orbit = picture->orbit;
+  options.size = picture->size;
+  options.gl = picture->gl;
   if (!assets_.empty()) options.assets = assets_;
   if (options.memoryFile.empty()) options.memoryFile = usualMemoryFile();
   if (auto ok = understand(chosenBy(options, {}), options); !ok) return tl::unexpected(ok.error());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/apps/picture_flags.h"
 #include "client/apps/render_options.h"
 #include "client/view/choices.h"
 
@@ -46,7 +47,8 @@ class ViewFlags {
 
  private:
   ViewCommandOptions options_;
-  std::string camera_, size_, gl_ = "egl", assets_;
+  PictureFlags pictureFlags_;
+  std::string assets_;
 };
 
 /// The remembered choices with those of the flags over them.
