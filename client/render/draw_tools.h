@@ -32,7 +32,8 @@ class DrawTools {
   [[nodiscard]] Result<const gl::Target*>
   depthImage(const MeshSnapshot& snapshot, const Camera& camera, gl::TextureSize size);
 
-  /// Makes `target` anew unless it already has this size and the stencil buffer asked for. Errors: kLimitExceeded, kUnavailable.
+  /// Makes `target` anew unless it already has this size and the stencil buffer asked for. Errors:
+  /// kLimitExceeded, kUnavailable.
   [[nodiscard]] Result<void>
   fit(gl::Target& target, std::string_view name, const gl::Target::Options& options) const;
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "server/preprocess/hulls/hull_mesh.h"
-#include "shared/core/linear_program.h"
 
+#include "shared/core/linear_program.h"
 #include "shared/core/rng.h"
 
 #include <glm/glm.hpp>
