@@ -10,7 +10,7 @@ build="ca-certificates ccache cmake g++ make ninja-build pkg-config
   flatbuffers-compiler libflatbuffers-dev libdraco-dev libglm-dev libexpected-dev libssl-dev
   libwebsockets-dev libev-dev libsystemd-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libtomlplusplus-dev libstb-dev
   libegl-dev libgles-dev libosmesa6-dev libglfw3-dev libimgui-dev
-  libopenmesh-dev libcgal-dev libtinygltf-dev libopencv-core-dev libopencv-imgproc-dev"
+  libopenmesh-dev libcgal-dev libtinygltf-dev zlib1g-dev libopencv-core-dev libopencv-imgproc-dev"
 
 # What the programs open at run time and the packages above do not bring: Mesa's software drivers.
 run="libegl-mesa0 libgl1-mesa-dri libosmesa6 libwebsockets-evlib-ev"

@@ -11,6 +11,8 @@
 #include "client/render/shaders/clip_shaders.h"
 #include "client/render/shaders/shaders.h"
 
+#include "shared/progressive/map_normal.h"
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -31,6 +33,7 @@ constexpr GLsizei kFringes = 5;
 struct HullCorner {
   glm::vec3 place{0.0F};   // grid units about origin_
   glm::vec3 normal{0.0F};  // the face's, unit
+  glm::vec3 along{0.0F};   // its first edge, unit: with the normal mapFrame
   glm::vec2 inMap{0.0F};   // texels
 };
 
@@ -120,7 +123,8 @@ Result<std::unique_ptr<DrawingMethod>> ClipMethod::create(DrawTools& tools) {
   const auto hullAttributes = [&](std::size_t stride) {
     attribute(0, 3, offsetof(HullCorner, place), stride);
     attribute(1, 3, offsetof(HullCorner, normal), stride);
-    attribute(2, 2, offsetof(HullCorner, inMap), stride);
+    attribute(2, 3, offsetof(HullCorner, along), stride);
+    attribute(3, 2, offsetof(HullCorner, inMap), stride);
   };
   api.bindVertexArray(method->hullArray_.id());
   api.bindBuffer(GL_ARRAY_BUFFER, method->hullPoints_.id());
@@ -128,7 +132,7 @@ Result<std::unique_ptr<DrawingMethod>> ClipMethod::create(DrawTools& tools) {
   api.bindVertexArray(method->fringeArray_.id());
   api.bindBuffer(GL_ARRAY_BUFFER, method->fringePoints_.id());
   hullAttributes(sizeof(FringeCorner));
-  attribute(3, 3, offsetof(FringeCorner, normalAcross), sizeof(FringeCorner));
+  attribute(4, 3, offsetof(FringeCorner, normalAcross), sizeof(FringeCorner));
   api.getIntegerv(GL_SUBPIXEL_BITS, &method->subpixelBits_);
   method->subpixelBits_ = std::clamp(method->subpixelBits_, 4, 8);
   return method;
@@ -154,13 +158,13 @@ Result<void> ClipMethod::uploadHull(const DrawRequest& request) {
   corners.reserve(3 * std::size_t{faces});
   for (std::uint32_t f = 0; f < faces; ++f) {
     const glm::uvec3& t = level->triangles[f];
-    const glm::dvec3& a = hullModelPoints_[t.x];
-    const glm::dvec3 normal = glm::cross(hullModelPoints_[t.y] - a, hullModelPoints_[t.z] - a);
-    const double length = glm::length(normal);
+    const glm::dmat3 frame =
+        mapFrame(hullModelPoints_[t.x], hullModelPoints_[t.y], hullModelPoints_[t.z]);
     for (int k = 0; k < 3; ++k) {
       corners.push_back(
           {glm::vec3(model.fromModel(hullModelPoints_[t[k]]) - origin_),
-           glm::vec3(length > 0.0 ? normal / length : normal),
+           glm::vec3(frame[2]),
+           glm::vec3(frame[0]),
            layout.faces == faces ? layout.corner(f, k) : glm::vec2(0.0F)});
     }
   }
@@ -191,7 +195,7 @@ Result<void> ClipMethod::uploadMap(const DrawRequest& request) {
   if (!map) return {};
   const int width = map->layout.width();
   const int height = map->layout.height();
-  const auto image = decodePng(map->png, width, height);
+  const auto image = decodePng(map->png, {width, height, 2});
   if (!image) return tl::unexpected(image.error());
   const gl::Api& api = tools_.api();
   map_ = gl::makeTexture(api, gl::TexelFormat::kRgba8, {width, height});

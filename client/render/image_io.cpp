@@ -97,24 +97,26 @@ Result<Image> readPng(const std::filesystem::path& path) {
   return image;
 }
 
-Result<Image> decodePng(std::span<const std::uint8_t> bytes, int width, int height) {
+Result<Image> decodePng(std::span<const std::uint8_t> bytes, const PngShape& shape) {
   const auto size = static_cast<int>(std::min<std::size_t>(bytes.size(), std::size_t{1} << 30));
   int w = 0;
   int h = 0;
   int channels = 0;
   // The size is looked at before anything is decoded.
-  if (stbi_info_from_memory(bytes.data(), size, &w, &h, &channels) == 0 || w != width ||
-      h != height) {
-    return fail(ErrorCode::kCorrupt, "an image of the stream has not the size that was said");
+  if (stbi_info_from_memory(bytes.data(), size, &w, &h, &channels) == 0 || w != shape.width ||
+      h != shape.height || channels != shape.channels) {
+    return fail(
+        ErrorCode::kCorrupt,
+        "an image of the stream has not the size or the channels that it should");
   }
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(bytes.data(), size, &w, &h, &channels, 4),
       stbi_image_free);
   if (!pixels) return fail(ErrorCode::kCorrupt, "an image of the stream is damaged");
-  Image image{width, height, {}};
+  Image image{w, h, {}};
   image.rgba.assign(
       pixels.get(),
-      pixels.get() + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+      pixels.get() + 4 * static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
   return image;
 }
 

@@ -19,7 +19,15 @@ namespace limn {
 /// kLimitExceeded.
 [[nodiscard]] Result<Image> readPng(const std::filesystem::path& path);
 
-/// A PNG in memory that must have this size, as RGBA. Errors: kCorrupt.
-[[nodiscard]] Result<Image> decodePng(std::span<const std::uint8_t> bytes, int width, int height);
+/// What a PNG in memory must be.
+struct PngShape {
+  int width = 0;
+  int height = 0;
+  int channels = 4;
+};
+
+/// A PNG in memory that must have this shape, as RGBA; grey goes to red, green and blue.
+/// Errors: kCorrupt.
+[[nodiscard]] Result<Image> decodePng(std::span<const std::uint8_t> bytes, const PngShape& shape);
 
 }  // namespace limn

@@ -30,6 +30,7 @@ if(LIMN_BUILD_SERVER)
   find_package(OpenMesh REQUIRED)
   find_package(CGAL REQUIRED)
   find_package(TinyGLTF REQUIRED)
+  find_package(ZLIB REQUIRED)
   # OpenCV's CMake package is only in its gigabyte-sized meta package; two modules are found by hand.
   find_path(LIMN_OPENCV_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
   foreach(module core imgproc)

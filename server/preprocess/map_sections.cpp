@@ -59,7 +59,7 @@ MapSections encodeMapSections(
   const auto level = decodedLevel(hulls, mesh.grid, std::min(faces, limits::kMaxMapFaces));
   if (!level || level->triangles.size() > limits::kMaxMapFaces) return sections;
   const NormalMap map = shootNormals(mesh, *level, options);
-  const auto png = encodePng(map.layout.width(), map.layout.height(), map.rgb);
+  const auto png = encodePng(map.layout.width(), map.layout.height(), 2, map.codes);
   if (png.empty() || png.size() > limits::kMaxMapBytes) return sections;
   std::uint32_t piece = 0;
   for (std::size_t at = 0; at < png.size(); at += kPieceBytes) {

@@ -352,7 +352,7 @@ Result<PreparedModel> prepareModel(
       prepared,
       *hullSections,
       options.hullFaces,
-      {.texelsPerFace = options.hullFaces <= 1000 ? 512 : 128,
+      {.texelsPerFace = options.hullFaces <= 1000 ? 256 : 128,
        .creaseAngleDegrees = options.forest.creaseAngleDegrees,
        .threads = options.forest.threads});
   stages.maps = watch.lap();

@@ -37,22 +37,26 @@ void main() {
 }
 )";
 
-/// The hull by corners: a place, as kMeshVertex, the face's normal, and where the place is in the
-/// map. Fringe: lines along the hull's own silhouette, an instance of them a pixel further to each
-/// side, at the far end of depth, give its colours to pixels whose middles it just misses.
+/// The hull by corners: a place, as kMeshVertex, the face's normal and first edge, and where the
+/// place is in the map. Fringe: lines along the hull's own silhouette, an instance of them a pixel
+/// further to each side, at the far end of depth, give its colours to pixels whose middles it just
+/// misses.
 inline constexpr std::string_view kHullVertex = R"(#version 300 es
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 faceNormal;
-layout(location = 2) in vec2 inMap;
-layout(location = 3) in vec3 normalAcross;  // fringe: of the face beyond the edge
+layout(location = 2) in vec3 firstEdge;
+layout(location = 3) in vec2 inMap;
+layout(location = 4) in vec3 normalAcross;  // fringe: of the face beyond the edge
 uniform mat4 clipFromCenter;
 uniform vec4 eye;  // as positions; w 0: direction towards it
 uniform highp vec2 size;
 uniform float fringe;  // 1: the fringe, 0: the hull itself
-flat out mediump vec3 normal;
+flat out highp vec3 normal;
+flat out highp vec3 along;
 out highp vec2 texel;
 void main() {
   normal = faceNormal;
+  along = firstEdge;
   texel = inMap;
   gl_Position = clipFromCenter * vec4(position, 1.0);
   if (fringe == 0.0) return;
@@ -71,7 +75,8 @@ void main() {
 /// Lambert by the face's normal, or the map's.
 inline constexpr std::string_view kHullFragment = R"(#version 300 es
 precision highp float;
-flat in mediump vec3 normal;
+flat in highp vec3 normal;
+flat in highp vec3 along;
 in highp vec2 texel;
 uniform highp sampler2D normals;
 uniform float mapped;  // 1: by the map
@@ -80,8 +85,13 @@ uniform vec3 surface;
 out vec4 color;
 void main() {
   vec3 n = normal;
-  if (mapped > 0.0)
-    n = normalize(2.0 * texture(normals, texel / vec2(textureSize(normals, 0))).rgb - 1.0);
+  if (mapped > 0.0) {
+    // As decodeMapNormal.
+    vec2 p = (255.0 * texture(normals, texel / vec2(textureSize(normals, 0))).ra - 64.0) / 63.0;
+    float z = 1.0 - abs(p.x) - abs(p.y);
+    if (z < 0.0) p = (1.0 - abs(p.yx)) * vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0);
+    n = normalize(p.x * along + p.y * cross(normal, along) + z * normal);
+  }
   color = vec4(surface * (0.30 + 0.70 * max(dot(n, light.xyz), 0.0)), 1.0);
 }
 )";

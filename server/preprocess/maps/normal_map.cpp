@@ -7,6 +7,7 @@
 
 #include "server/preprocess/maps/corner_normals.h"
 
+#include "shared/progressive/map_normal.h"
 #include "shared/ray/triangle_bvh.h"
 
 #include <algorithm>
@@ -75,6 +76,14 @@ class Shooter {
     return nearest ? normalOf(nearest->face, nearest->point) : glm::dvec3(0.0, 0.0, 1.0);
   }
 
+  [[nodiscard]] glm::dmat3 frameOf(std::uint32_t face) const {
+    const glm::uvec3& t = hull_.triangles[face];
+    return mapFrame(
+        glm::dvec3(hull_.positions[t.x]),
+        glm::dvec3(hull_.positions[t.y]),
+        glm::dvec3(hull_.positions[t.z]));
+  }
+
  private:
   [[nodiscard]] glm::dvec3 normalOf(FaceId face, const glm::dvec3& point) const {
     Triangle t;
@@ -97,10 +106,6 @@ class Shooter {
   double lift_ = 1.0;
 };
 
-std::uint8_t toByte(double value) {
-  return static_cast<std::uint8_t>(std::clamp(std::lround(127.5 + 127.5 * value), 0L, 255L));
-}
-
 /// The cells of `layout` from first on, every `stride`-th.
 std::uint64_t fillCells(const Shooter& shooter, NormalMap& map, int first, int stride) {
   const MapLayout& layout = map.layout;
@@ -122,10 +127,11 @@ std::uint64_t fillCells(const Shooter& shooter, NormalMap& map, int first, int s
         const glm::dvec3 n = shooter.at(face, glm::dvec3(1.0 - uv.x - uv.y, uv.x, uv.y), missed);
         if (isInside) misses += missed;
         const std::size_t texel =
-            3 * (static_cast<std::size_t>(corner.y + y) * static_cast<std::size_t>(layout.width()) +
+            2 * (static_cast<std::size_t>(corner.y + y) * static_cast<std::size_t>(layout.width()) +
                  static_cast<std::size_t>(corner.x + x));
-        for (std::size_t c = 0; c < 3; ++c)
-          map.rgb[texel + c] = toByte(n[static_cast<int>(c)]);
+        const auto code = encodeMapNormal(shooter.frameOf(face), n);
+        map.codes[texel] = code[0];
+        map.codes[texel + 1] = code[1];
       }
     }
   }
@@ -141,10 +147,10 @@ shootNormals(const TriangleMesh& mesh, const TriangleMesh& hull, const NormalMap
   // leg · (leg + 1) / 2 texels lie in a tile.
   map.layout.leg =
       std::max(2, static_cast<int>(std::lround(std::sqrt(2.0 * options.texelsPerFace) - 0.5)));
-  map.rgb.assign(
-      3 * static_cast<std::size_t>(map.layout.width()) *
+  map.codes.assign(
+      2 * static_cast<std::size_t>(map.layout.width()) *
           static_cast<std::size_t>(map.layout.height()),
-      128);
+      64);
   const Shooter shooter(mesh, hull, options);
   const int threads = static_cast<int>(
       options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency()));

@@ -10,7 +10,7 @@
 namespace limn {
 
 struct NormalMapOptions {
-  int texelsPerFace = 512;  // about; 128 to 512 in papers/003
+  int texelsPerFace = 256;  // about; 128 to 512 in papers/003
   double creaseAngleDegrees = 40.0;
   unsigned threads = 0;  // 0: as many as there are cores; the result is the same
 };
@@ -18,8 +18,8 @@ struct NormalMapOptions {
 /// The normals of a mesh as an image over a coarse hull of it.
 struct NormalMap {
   MapLayout layout;
-  std::vector<std::uint8_t> rgb;  // width · height texels, top row first
-  std::uint64_t misses = 0;       // texels of faces whose ray met nothing: the closest point's
+  std::vector<std::uint8_t> codes;  // encodeMapNormal's two, width · height texels, top row first
+  std::uint64_t misses = 0;         // texels of faces whose ray met nothing: the closest point's
 };
 
 /// Normal shooting [Sander00 §4]: from each texel's place on `hull`, against the interpolated

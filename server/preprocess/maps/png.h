@@ -7,8 +7,9 @@
 
 namespace limn {
 
-/// An RGB image, 8 bits a channel, top row first, as a PNG. Empty: out of memory.
+/// An image, 8 bits a channel, top row first, as a PNG: 1 to 4 channels (grey, grey and alpha, RGB,
+/// RGBA). Empty: out of memory. The bytes depend on the version of zlib.
 [[nodiscard]] std::vector<std::uint8_t>
-encodePng(int width, int height, std::span<const std::uint8_t> rgb);
+encodePng(int width, int height, int channels, std::span<const std::uint8_t> texels);
 
 }  // namespace limn

@@ -135,7 +135,7 @@ TEST_F(ClipOutline, AMapOfNormalsLightsTheHullAsTheMeshIsLit) {
   const NormalMap map = shootNormals(mesh, *level, {.threads = 2});
   snapshot.model.maps = map.layout;
   snapshot.normalMap = std::make_shared<const HullMap>(
-      HullMap{map.layout, encodePng(map.layout.width(), map.layout.height(), map.rgb)});
+      HullMap{map.layout, encodePng(map.layout.width(), map.layout.height(), 2, map.codes)});
   ++snapshot.revision;
   auto fresh = makeRenderer(GlBackend::kOsmesa);
   const auto mapped = fresh->render(snapshot, lines, camera, options);

@@ -7,11 +7,13 @@
 #include "shared/core/rng.h"
 #include "shared/mesh/closest_point.h"
 #include "shared/mesh/primitives.h"
+#include "shared/progressive/map_normal.h"
 #include "shared/ray/triangle_bvh.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -19,9 +21,20 @@
 namespace limn {
 namespace {
 
-glm::dvec3 normalAt(const NormalMap& map, int x, int y) {
-  const std::size_t at = 3 * static_cast<std::size_t>(y * map.layout.width() + x);
-  return glm::dvec3(map.rgb[at], map.rgb[at + 1], map.rgb[at + 2]) / 127.5 - 1.0;
+glm::dmat3 frameOf(const TriangleMesh& hull, std::uint32_t face) {
+  const glm::uvec3& t = hull.triangles[face];
+  return mapFrame(
+      glm::dvec3(hull.positions[t.x]),
+      glm::dvec3(hull.positions[t.y]),
+      glm::dvec3(hull.positions[t.z]));
+}
+
+/// In the texel of a face's corner.
+glm::dvec3
+normalAt(const NormalMap& map, const TriangleMesh& hull, std::uint32_t face, int corner) {
+  const glm::ivec2 texel(map.layout.corner(face, corner));
+  const std::size_t at = 2 * static_cast<std::size_t>(texel.y * map.layout.width() + texel.x);
+  return decodeMapNormal(frameOf(hull, face), {map.codes[at], map.codes[at + 1]});
 }
 
 /// Twice as large about the middle.
@@ -69,9 +82,7 @@ TEST(NormalMap, OfASphereOverALargerOneIsRadial) {
   EXPECT_EQ(map.misses, 0U);
   for (std::uint32_t face = 0; face < map.layout.faces; ++face) {
     for (int k = 0; k < 3; ++k) {
-      const glm::vec2 corner = map.layout.corner(face, k);
-      const glm::dvec3 n = normalAt(map, static_cast<int>(corner.x), static_cast<int>(corner.y));
-      EXPECT_NEAR(glm::length(n), 1.0, 0.02);
+      const glm::dvec3 n = normalAt(map, onGrid, face, k);
       glm::dvec3 middle(0.0);
       for (const glm::ivec3& p : onGrid.positions)
         middle += glm::dvec3(p) / static_cast<double>(onGrid.positions.size());
@@ -89,7 +100,7 @@ TEST(NormalMap, DoesNotDependOnThreads) {
   onGrid.grid = mesh.grid;
   const NormalMap one = shootNormals(mesh, onGrid, {.texelsPerFace = 40, .threads = 1});
   const NormalMap three = shootNormals(mesh, onGrid, {.texelsPerFace = 40, .threads = 3});
-  EXPECT_EQ(one.rgb, three.rgb);
+  EXPECT_EQ(one.codes, three.codes);
   EXPECT_EQ(one.misses, three.misses);
 }
 
@@ -102,8 +113,10 @@ TEST(NormalMap, ARayThatMissesTakesTheClosestPoint) {
     p.x += 1 << 18;
   const NormalMap map = shootNormals(mesh, hull, {.texelsPerFace = 30, .threads = 1});
   EXPECT_GT(map.misses, 0U);
-  for (std::size_t i = 0; i < map.rgb.size(); i += 3)
-    EXPECT_GE(map.rgb[i], 127);  // towards the hull, or no face's texel
+  for (std::uint32_t face = 0; face < map.layout.faces; ++face) {
+    for (int k = 0; k < 3; ++k)
+      EXPECT_GT(normalAt(map, hull, face, k).x, -0.05) << face;  // towards the hull
+  }
 }
 
 TEST(CornerNormals, KeepCreasesAndSmoothTheRest) {
@@ -136,11 +149,48 @@ TEST(TriangleBvh, TheClosestPointIsTheNearestOfAllFaces) {
   }
 }
 
-TEST(Png, StartsAsOne) {
-  const std::vector<std::uint8_t> rgb(3 * 4 * 2, 77);
-  const auto bytes = encodePng(4, 2, rgb);
-  ASSERT_GT(bytes.size(), 8U);
-  EXPECT_EQ(bytes[1], 'P');
+TEST(MapNormal, IsWhatWasEncodedToTwoDegreesInAnyFrame) {
+  // Half a step in both coordinates moves a point of the octahedron, which is at least 1 / √3 from
+  // the middle, by at most √6 / 126.
+  const double most = std::sqrt(6.0) / 126.0 * std::sqrt(3.0);
+  Rng rng(4);
+  const auto any = [&rng] {
+    return glm::normalize(
+        glm::dvec3(rng.uniform() - 0.5, rng.uniform() - 0.5, rng.uniform() - 0.5));
+  };
+  for (int round = 0; round < 5000; ++round) {
+    const glm::dmat3 frame = mapFrame(100.0 * any(), 100.0 * any(), 100.0 * any());
+    const glm::dvec3 normal = any();
+    const auto code = encodeMapNormal(frame, normal);
+    EXPECT_GE(std::min(code[0], code[1]), 1);
+    EXPECT_LE(std::max(code[0], code[1]), 127);
+    EXPECT_GT(glm::dot(decodeMapNormal(frame, code), normal), std::cos(most));
+  }
+  const glm::dmat3 frame = mapFrame({0, 0, 0}, {0, 2, 0}, {0, 0, 3});
+  EXPECT_EQ(encodeMapNormal(frame, {1, 0, 0}), (std::array<std::uint8_t, 2>{64, 64}));
+  EXPECT_EQ(decodeMapNormal(frame, {127, 64}), glm::dvec3(0, 1, 0));
+  EXPECT_EQ(decodeMapNormal(frame, {64, 127}), glm::dvec3(0, 0, 1));
+}
+
+TEST(MapNormal, OfAnyTwoBytesOrAFaceWithoutAreaIsUnit) {
+  const glm::dmat3 frame = mapFrame({1, 1, 1}, {1, 1, 1}, {1, 1, 1});
+  for (int a = 0; a < 256; ++a) {
+    for (int b = 0; b < 256; ++b) {
+      const glm::dvec3 n =
+          decodeMapNormal(frame, {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)});
+      ASSERT_NEAR(glm::length(n), 1.0, 1e-9) << a << " " << b;
+    }
+  }
+}
+
+TEST(Png, StartsAsOneAndPacksWhatRepeats) {
+  for (int channels = 1; channels <= 4; ++channels) {
+    const std::vector<std::uint8_t> texels(static_cast<std::size_t>(channels) * 400 * 200, 77);
+    const auto bytes = encodePng(400, 200, channels, texels);
+    ASSERT_GT(bytes.size(), 8U);
+    EXPECT_EQ(bytes[1], 'P');
+    EXPECT_LT(bytes.size(), 1000U);
+  }
 }
 
 }  // namespace
