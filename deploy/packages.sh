@@ -8,7 +8,7 @@ set -eu
 # Compiler and the libraries that programs are built from.
 build="ca-certificates ccache cmake g++ make ninja-build pkg-config
   flatbuffers-compiler libflatbuffers-dev libdraco-dev libglm-dev libexpected-dev libssl-dev
-  libwebsockets-dev libev-dev libsystemd-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libtomlplusplus-dev libstb-dev
+  libwebsockets-dev libev-dev libsystemd-dev prometheus-cpp-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libtomlplusplus-dev libstb-dev
   libegl-dev libgles-dev libosmesa6-dev libglfw3-dev libimgui-dev
   libopenmesh-dev libcgal-dev libtinygltf-dev zlib1g-dev libopencv-core-dev libopencv-imgproc-dev"
 

@@ -43,6 +43,7 @@ forbid "server/transport"  'server/(preprocess|apps)/'  'transport carries sessi
 forbid "client/net client/render client/pose" 'client/apps/'  'only apps join implementations'
 forbid "shared protocol server client" 'draco/'          'Draco lives in shared/codec'       'shared/codec/'
 forbid "server client"   'OpenMesh/|CGAL/'               'OpenMesh and CGAL live in server/preprocess' 'server/preprocess/'
+forbid "shared protocol server client" 'prometheus/' 'prometheus-cpp lives in server/transport' 'server/transport/'
 forbid "server client"   'libwebsockets'                 'libwebsockets lives in two folders' '(server/transport|client/net)/'
 forbid "server client"   "$gl"                           'GL lives in client/render, OSMesa also in server/preprocess'  '(client/render|server/preprocess)/'
 forbid "server client"   'opencv2/'                      'OpenCV lives in client/pose and server/preprocess'  '(client/pose|server/preprocess)/'

@@ -26,6 +26,7 @@ if(LIMN_BUILD_SERVER)
   set_target_properties(limn_ev PROPERTIES
     IMPORTED_LOCATION "${LIMN_EV}" INTERFACE_INCLUDE_DIRECTORIES "${LIMN_EV_INCLUDE}")
   add_library(limn::ev ALIAS limn_ev)
+  pkg_check_modules(prometheus REQUIRED IMPORTED_TARGET prometheus-cpp-core)
   pkg_check_modules(systemd REQUIRED IMPORTED_TARGET libsystemd)
   find_package(OpenMesh REQUIRED)
   find_package(CGAL REQUIRED)

@@ -52,7 +52,7 @@ BackgroundPreparation::BackgroundPreparation(
 Result<void> BackgroundPreparation::begin(std::int64_t nowMs) {
   if (const auto damagedNames = store_.damagedNames()) {
     for (const std::string& file : *damagedNames) {
-      log_("names/" + file + " is damaged and left out; prepare that model again");
+      log_({"names/" + file + " is damaged and left out; prepare that model again"});
     }
   }
   if (const auto synced = syncNames(); !synced) return synced;
@@ -100,13 +100,14 @@ Result<void> BackgroundPreparation::syncNames() {
 void BackgroundPreparation::enqueue(Job job) {
   std::erase_if(queue_, [&](const Job& waiting) { return waiting.name == job.name; });
   if (!job.quiet) library_.setQueued(job.name);
+  job.number = ++jobs_;
   queue_.push_back(std::move(job));
 }
 
 void BackgroundPreparation::scan() {
   const auto found = scanModelFolder(options_.models);
   if (!found) {
-    if (folderProblem_ != found.error().message) log_(found.error().message);
+    if (folderProblem_ != found.error().message) log_({found.error().message});
     folderProblem_ = found.error().message;
     return;
   }
@@ -152,7 +153,7 @@ void BackgroundPreparation::scan() {
     library_.remove(name);
     static_cast<void>(store_.removeName(name));
     stored_.erase(name);
-    log_("'" + name + "' left the catalogue: its file is gone");
+    log_({"'" + name + "' left the catalogue: its file is gone", name});
     return true;
   });
 }
@@ -168,15 +169,17 @@ void BackgroundPreparation::startNext() {
       options_.store.string(),
       "--name",
       job.name,
-      "--json"};
+      "--json",
+      "--confined"};
   arguments.insert(arguments.end(), job.file.flags.begin(), job.file.flags.end());
-  auto process = PrepareProcess::start(arguments);
+  auto process = PrepareProcess::start(arguments, options_.limits);
   if (!process) {
     ++failed_;
-    log_("'" + job.name + "': " + process.error().message);
+    log_({"'" + job.name + "': " + process.error().message, job.name, job.number});
     if (!job.quiet) library_.setFailed(job.name, process.error().message);
     return;
   }
+  log_({"'" + job.name + "' is being prepared", job.name, job.number});
   if (!job.quiet) library_.setPreparing(job.name, 0.0);
   running_ = std::move(job);
   process_ = std::move(*process);
@@ -204,7 +207,7 @@ void BackgroundPreparation::finish(const PrepareProcess::Outcome& outcome) {
   if (!outcome.succeeded) {
     if (!wanted) return;
     ++failed_;
-    log_("'" + name + "': " + outcome.reason);
+    log_({"'" + name + "': " + outcome.reason, name, running_->number});
     // What the store has stays good enough when it could only not be confirmed (a full disk).
     if (current && !running_->quiet) library_.setFailed(name, outcome.reason);
     return;
@@ -222,14 +225,14 @@ void BackgroundPreparation::finish(const PrepareProcess::Outcome& outcome) {
   }
   stored_[name] = {name, *asset, running_->file.path.string()};
   library_.setAsset(name, *asset);
-  if (!running_->quiet) log_("'" + name + "' is prepared");
+  if (!running_->quiet) log_({"'" + name + "' is prepared", name, running_->number});
 }
 
 void BackgroundPreparation::damaged(
     const std::string& name,
     const Sha256Digest& asset,
     const Error& error) {
-  log_("'" + name + "': " + error.message);
+  log_({"'" + name + "': " + error.message, name});
   if (error.code == ErrorCode::kCorrupt || error.code == ErrorCode::kUnsupported) {
     static_cast<void>(store_.quarantine(asset));
   }
@@ -251,9 +254,9 @@ void BackgroundPreparation::damaged(
 void BackgroundPreparation::collect() {
   const auto removed = store_.removeUnreferenced(std::chrono::seconds(options_.collectAgeSeconds));
   if (removed && *removed > 0) {
-    log_("collected " + std::to_string(*removed) + " assets that nobody names");
+    log_({"collected " + std::to_string(*removed) + " assets that nobody names"});
   } else if (!removed) {
-    log_(removed.error().message);
+    log_({removed.error().message});
   }
 }
 

@@ -16,10 +16,18 @@
 
 namespace limn {
 
+/// A line for the log.
+struct PreparationNote {
+  std::string message;
+  std::string model = {};  // it is about; may be empty
+  std::uint64_t job = 0;   // the number of the preparation, from the queue to its end; 0: none
+};
+
 struct BackgroundOptions {
   std::filesystem::path store;    // directory
   std::filesystem::path models;   // watched folder; empty: none
   std::filesystem::path prepare;  // the limn-prepare program
+  PrepareLimits limits;           // of each preparation
   std::int64_t scanEveryMs = 1000;
   std::int64_t collectEveryMs = 60'000;
   std::int64_t collectAgeSeconds = 600;  // younger assets without a name stay
@@ -30,7 +38,7 @@ struct BackgroundOptions {
 /// from the loop thread.
 class BackgroundPreparation {
  public:
-  using Log = std::function<void(const std::string&)>;
+  using Log = std::function<void(const PreparationNote&)>;
 
   BackgroundPreparation(
       AssetStore& store,
@@ -57,7 +65,8 @@ class BackgroundPreparation {
   struct Job {
     std::string name;
     ModelFile file;
-    bool quiet = false;  // only makes sure that what the store has is current: stays kReady
+    bool quiet = false;        // only makes sure that what the store has is current: stays kReady
+    std::uint64_t number = 0;  // given when it is queued
   };
 
   [[nodiscard]] Result<void> syncNames();
@@ -81,6 +90,7 @@ class BackgroundPreparation {
   std::int64_t nextScanMs_ = 0;
   std::int64_t nextCollectMs_ = 0;
   std::string folderProblem_;
+  std::uint64_t jobs_ = 0;
   std::uint64_t finished_ = 0;
   std::uint64_t failed_ = 0;
 };

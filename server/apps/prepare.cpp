@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/apps/confine.h"
 #include "server/preprocess/pipeline.h"
 
 #include "protocol/messages.h"
@@ -33,6 +34,7 @@ struct Arguments {
   std::string name;
   std::string viewpoints = "8x5";
   std::string placement = "subset";
+  bool confined = false;
   std::string dumpMesh;
   bool json = false;
   PrepareOptions options;
@@ -191,6 +193,10 @@ int run(int argc, char** argv) {
       "--dump-mesh",
       arguments.dumpMesh,
       "Write the prepared mesh to this PLY file (single input)");
+  app.add_flag(
+      "--confined",
+      arguments.confined,
+      "Give up the network and other programs before reading: for files of strangers");
   app.add_flag("--json", arguments.json, "Print one JSON report a model");
   try {
     app.parse(argc, argv);
@@ -209,6 +215,12 @@ int run(int argc, char** argv) {
   }
   if (!arguments.dumpMesh.empty() && arguments.inputs.size() != 1) {
     return usageError("--dump-mesh needs a single input");
+  }
+  if (arguments.confined) {
+    if (const auto confined = confineProcess(); !confined) {
+      std::cerr << "limn-prepare: " << confined.error().message << '\n';
+      return kExitFailed;
+    }
   }
   const auto names = chooseNames(arguments);
   if (!names) return usageError(names.error().message);

@@ -45,6 +45,12 @@ void closeFd(int& fd) {
   fd = -1;
 }
 
+void limit(pid_t pid, __rlimit_resource what, std::uint64_t most) {
+  if (most == 0) return;
+  const rlimit value{most, most};
+  static_cast<void>(::prlimit(pid, what, &value, nullptr));
+}
+
 /// The number before the last '%' of a line, as 0 to 1.
 std::optional<double> percentOf(std::string_view line) {
   const std::size_t sign = line.rfind('%');
@@ -60,7 +66,9 @@ std::optional<double> percentOf(std::string_view line) {
 
 }  // namespace
 
-Result<PrepareProcess> PrepareProcess::start(const std::vector<std::string>& arguments) {
+Result<PrepareProcess> PrepareProcess::start(
+    const std::vector<std::string>& arguments,
+    const PrepareLimits& limits) {
   PrepareProcess process;
   int out[2] = {-1, -1};
   int err[2] = {-1, -1};
@@ -107,6 +115,9 @@ Result<PrepareProcess> PrepareProcess::start(const std::vector<std::string>& arg
     return fail(ErrorCode::kIo, "cannot start " + arguments.front() + ": " + std::strerror(error));
   }
   process.pid_ = pid;
+  // posix_spawn() cannot; they hold for what it asks for from now on.
+  limit(pid, RLIMIT_AS, limits.memoryBytes);
+  limit(pid, RLIMIT_CPU, limits.cpuSeconds);
   static_cast<void>(::setpriority(PRIO_PROCESS, static_cast<id_t>(pid), kNiceness));
   return process;
 }
@@ -183,7 +194,9 @@ std::optional<PrepareProcess::Outcome> PrepareProcess::poll() {
     if (WIFSIGNALED(status)) {
       outcome.reason = std::string("limn-prepare was ended by signal ") +
                        std::to_string(WTERMSIG(status)) +
-                       (WTERMSIG(status) == SIGKILL ? " (out of memory?)" : "");
+                       (WTERMSIG(status) == SIGKILL   ? " (out of memory or time?)"
+                        : WTERMSIG(status) == SIGXCPU ? " (it took too long)"
+                                                      : "");
     } else if (outcome.reason.empty()) {
       outcome.reason = "limn-prepare failed without saying why";
     }

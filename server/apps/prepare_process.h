@@ -3,11 +3,18 @@
 
 #include "shared/core/result.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace limn {
+
+/// What a preparation may take; a hostile file gets no more. 0: no limit.
+struct PrepareLimits {
+  std::uint64_t memoryBytes = std::uint64_t{8} << 30;  // address space
+  std::uint64_t cpuSeconds = 3600;                     // of all its threads together
+};
 
 /// One run of limn-prepare as a child process, in its own address space so that no input can hurt
 /// the server. Polled; never blocks. Destroyed while it runs: killed and waited for.
@@ -20,7 +27,9 @@ class PrepareProcess {
   };
 
   /// arguments: the program's path first. Errors: kIo.
-  [[nodiscard]] static Result<PrepareProcess> start(const std::vector<std::string>& arguments);
+  [[nodiscard]] static Result<PrepareProcess> start(
+      const std::vector<std::string>& arguments,
+      const PrepareLimits& limits = {0, 0});
   PrepareProcess(PrepareProcess&& other) noexcept;
   PrepareProcess& operator=(PrepareProcess&& other) noexcept;
   PrepareProcess(const PrepareProcess&) = delete;

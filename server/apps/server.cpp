@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/apps/background_preparation.h"
 #include "server/apps/inspect.h"
+#include "server/apps/log.h"
 #include "server/apps/service_manager.h"
 #include "server/apps/token.h"
 #include "server/session/model_library.h"
@@ -11,9 +12,10 @@
 #include "server/transport/lws_transport.h"
 #include "server/transport/worker_pool.h"
 
+#include "shared/codec/allocation_budget.h"
+
 #include <CLI/CLI.hpp>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <csignal>
@@ -61,6 +63,11 @@ struct Arguments {
   std::size_t workers = 0;
   std::size_t targetCacheMib = 256;
   std::int64_t randomOrder = -1;
+  std::string logFormat = "text";
+  // Sanitizers reserve more address space than any limit.
+  std::uint64_t prepareMemoryMib =
+      AllocationBudget::works() ? PrepareLimits{}.memoryBytes >> 20 : 0;
+  std::uint64_t prepareCpuS = PrepareLimits{}.cpuSeconds;
 };
 
 int usageError(const std::string& message) {
@@ -84,6 +91,24 @@ Result<std::string> readText(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) return fail(ErrorCode::kIo, "cannot read " + path);
   return std::string{std::istreambuf_iterator<char>(in), {}};
+}
+
+void logTransport(const TransportEvent& event) {
+  nlohmann::json fields = {{"address", event.address}};
+  if (event.connection != 0) fields["connection"] = event.connection;
+  if (!event.subject.empty()) fields["subject"] = event.subject;
+  switch (event.kind) {
+    case TransportEvent::Kind::kOpened:
+      return logEvent(spdlog::level::info, "connection_opened", "a client came", fields);
+    case TransportEvent::Kind::kClosed:
+      fields["reason"] = event.why;
+      fields["seconds"] = event.seconds;
+      fields["payload_bytes"] = event.payloadBytes;
+      return logEvent(spdlog::level::info, "connection_closed", "a client went", fields);
+    case TransportEvent::Kind::kRefused:
+      fields["reason"] = event.why;
+      return logEvent(spdlog::level::warn, "connection_refused", "a client was refused", fields);
+  }
 }
 
 Result<TransportOptions> transportOptions(const Arguments& arguments) {
@@ -139,8 +164,13 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
     return failed(preparePath().string() + " is missing; --models needs it beside limn-server");
   }
 
-  const auto log = [](const std::string& line) { spdlog::info("{}", line); };
-  setTransportLog([](const std::string& line) { spdlog::warn("{}", line); });
+  const auto log = [](const PreparationNote& note) {
+    nlohmann::json fields = nlohmann::json::object();
+    if (!note.model.empty()) fields["model"] = note.model;
+    if (note.job != 0) fields["job"] = note.job;
+    logEvent(spdlog::level::info, "preparation", note.message, fields);
+  };
+  setTransportLog([](const std::string& line) { logEvent(spdlog::level::warn, "network", line); });
 
   // Workers outlive neither what they compute with nor what they wake.
   LwsTransport* wakened = nullptr;
@@ -172,6 +202,7 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
   backgroundOptions.store = arguments.store;
   backgroundOptions.models = arguments.models;
   backgroundOptions.prepare = preparePath();
+  backgroundOptions.limits = {arguments.prepareMemoryMib << 20, arguments.prepareCpuS};
   BackgroundPreparation preparation(**store, library, backgroundOptions, log);
   background = &preparation;
 
@@ -185,25 +216,7 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
     manager.tick(nowMs);
   };
   handlers.woken = [&] { workers.runDone(); };
-  handlers.happened = [](const TransportEvent& event) {
-    switch (event.kind) {
-      case TransportEvent::Kind::kOpened:
-        spdlog::debug("connection {} from {}", event.connection, event.address);
-        break;
-      case TransportEvent::Kind::kClosed:
-        spdlog::info(
-            "connection {} from {} ended after {:.1f} s and {} bytes ({})",
-            event.connection,
-            event.address,
-            event.seconds,
-            event.payloadBytes,
-            event.why);
-        break;
-      case TransportEvent::Kind::kRefused:
-        spdlog::warn("{} was refused ({})", event.address, event.why);
-        break;
-    }
-  };
+  handlers.happened = logTransport;
   handlers.status = [&] {
     ServerStatus status;
     status.version = LIMN_VERSION;
@@ -254,13 +267,15 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
   }
   const bool local = options.listen.host == "::1" || options.listen.host.starts_with("127.");
   if (options.access.guarded() && options.tlsCertificate.empty() && !local) {
-    spdlog::warn(
+    logEvent(
+        spdlog::level::warn,
+        "unencrypted",
         "tokens travel unencrypted: give --tls-cert and --tls-key, or have a proxy do TLS");
   }
   manager.ready("listening on port " + std::to_string(transport->port()));
   transport->run();
   preparation.stop();
-  log("drained");
+  logEvent(spdlog::level::info, "drained", "drained");
   return 0;
 }
 
@@ -343,6 +358,19 @@ int run(int argc, char** argv) {
       "--random-order",
       arguments.randomOrder,
       "Test mode: splits in random legal order, by seed");
+  app.add_option("--log-format", arguments.logFormat, "Lines for people, or JSON objects")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  app.add_option(
+         "--prepare-memory-mib",
+         arguments.prepareMemoryMib,
+         "Address space of a preparation of --models; 0: no limit")
+      ->capture_default_str();
+  app.add_option(
+         "--prepare-cpu-s",
+         arguments.prepareCpuS,
+         "Processor time of a preparation of --models; 0: no limit")
+      ->capture_default_str();
   app.set_config("--config", "", "Read options from a TOML file");
   try {
     app.parse(argc, argv);
@@ -360,8 +388,7 @@ int run(int argc, char** argv) {
   if (!options) return usageError(options.error().message);
   // A client that is gone must not end the server.
   std::signal(SIGPIPE, SIG_IGN);
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("limn-server"));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
+  startLog(arguments.logFormat == "json" ? LogFormat::kJson : LogFormat::kText);
   return serve(arguments, *options);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/transport/http_routes.h"
 
+#include "server/transport/metrics.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -51,45 +53,6 @@ const char* phraseOf(int status) {
 HttpReply notFound(std::string_view path, const char* known) {
   return text(404, "no " + std::string(path.substr(0, 100)) + " here; there is " + known + "\n");
 }
-
-class MetricsWriter {
- public:
-  void gauge(const char* name, const char* help, double value) {
-    write(name, help, "gauge", value);
-  }
-
-  void counter(const char* name, const char* help, std::uint64_t value) {
-    write(name, help, "counter", static_cast<double>(value));
-  }
-
-  void counters(
-      const std::string& name,
-      const char* help,
-      const char* label,
-      const std::map<std::string, std::uint64_t>& values) {
-    header(name.c_str(), help, "counter");
-    for (const auto& [key, value] : values)
-      sample(name + "{" + label + "=\"" + key + "\"}", static_cast<double>(value));
-  }
-
-  void header(const char* name, const char* help, const char* type) {
-    out_ += std::string("# HELP ") + name + " " + help + "\n# TYPE " + name + " " + type + "\n";
-  }
-
-  void sample(const std::string& series, double value) {
-    out_ += series + " " + json(value).dump() + "\n";
-  }
-
-  std::string take() { return std::move(out_); }
-
- private:
-  void write(const char* name, const char* help, const char* type, double value) {
-    header(name, help, type);
-    sample(name, value);
-  }
-
-  std::string out_;
-};
 
 }  // namespace
 
@@ -179,66 +142,6 @@ std::string catalogueJson(const std::vector<CatalogueItem>& items, const Grant* 
     list.push_back(std::move(entry));
   }
   return dump(list);
-}
-
-std::string metricsText(const ServerStatus& s, const std::vector<CatalogueItem>& items) {
-  MetricsWriter out;
-  out.gauge("limn_uptime_seconds", "Time since the start.", s.uptimeSeconds);
-  out.gauge("limn_ready", "1 when new clients are welcome.", s.ready ? 1 : 0);
-  out.gauge("limn_connections", "Open WebSocket connections.", static_cast<double>(s.connections));
-  out.counter("limn_connections_total", "WebSocket connections accepted.", s.connectionsTotal);
-  out.counters(
-      "limn_connections_refused_total",
-      "Connections turned away.",
-      "reason",
-      s.connectionsRefusedTotal);
-  out.counters(
-      "limn_connections_closed_total",
-      "WebSocket connections that ended.",
-      "reason",
-      s.connectionsClosedTotal);
-  out.counter("limn_sent_bytes_total", "Payload of WebSocket messages sent.", s.sentBytesTotal);
-  out.counter("limn_sent_messages_total", "WebSocket messages sent.", s.sentMessagesTotal);
-  out.counter(
-      "limn_received_messages_total",
-      "WebSocket messages received.",
-      s.receivedMessagesTotal);
-  out.counter("limn_poses_total", "Poses received.", s.posesTotal);
-  out.counter(
-      "limn_poses_replaced_total",
-      "Poses that a newer one replaced before it was their turn.",
-      s.posesReplacedTotal);
-  out.gauge("limn_session_bytes", "Memory of all sessions.", static_cast<double>(s.sessionBytes));
-  out.gauge("limn_model_bytes", "Memory of loaded models.", static_cast<double>(s.modelBytes));
-  out.gauge("limn_models_loaded", "Models in memory.", static_cast<double>(s.modelsLoaded));
-  out.gauge(
-      "limn_target_cache_bytes",
-      "Memory of cached target sets.",
-      static_cast<double>(s.targetCacheBytes));
-  out.counter(
-      "limn_target_sets_total",
-      "Target sets computed on workers.",
-      s.targetSetsComputedTotal);
-  out.counter(
-      "limn_target_cache_hits_total",
-      "View cells found in the cache.",
-      s.targetCacheHitsTotal);
-  out.gauge(
-      "limn_tasks_pending",
-      "Work waiting for or on workers.",
-      static_cast<double>(s.tasksPending));
-  out.counter("limn_preparations_total", "Preparations finished.", s.preparationsTotal);
-  out.counter("limn_preparations_failed_total", "Preparations failed.", s.preparationsFailedTotal);
-  std::array<std::size_t, kStateNames.size()> counts{};
-  for (const CatalogueItem& item : items)
-    ++counts[static_cast<std::size_t>(item.state)];
-  out.header("limn_models", "Models of the catalogue by state.", "gauge");
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    out.sample(
-        std::string("limn_models{state=\"") + kStateNames[i] + "\"}",
-        static_cast<double>(counts[i]));
-  }
-  return out.take();
 }
 
 HttpReply routeMain(

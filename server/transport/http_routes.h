@@ -4,6 +4,8 @@
 #include "server/session/catalogue.h"
 #include "server/transport/limits.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -28,6 +30,20 @@ struct HttpReply {
 /// What somebody is told who is turned away, `why` in a line.
 [[nodiscard]] HttpReply refusalReply(Refusal refusal, const std::string& why);
 
+/// How often something took how long.
+struct TimeCounts {
+  static constexpr std::array kBoundsS = {0.001, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 1.0, 5.0};
+
+  std::array<std::uint64_t, kBoundsS.size() + 1> counts{};  // up to each bound, and above
+  double sumS = 0.0;
+
+  void add(double seconds) {
+    const auto at = std::ranges::lower_bound(kBoundsS, seconds) - kBoundsS.begin();
+    ++counts[static_cast<std::size_t>(at)];
+    sumS += seconds;
+  }
+};
+
 /// What the server knows about itself, for /readyz and /metrics.
 struct ServerStatus {
   std::string version;
@@ -51,6 +67,7 @@ struct ServerStatus {
   std::size_t tasksPending = 0;
   std::uint64_t preparationsTotal = 0;
   std::uint64_t preparationsFailedTotal = 0;
+  TimeCounts loopLag;  // how late the loop came to its ticks
   double uptimeSeconds = 0.0;
 };
 
@@ -68,11 +85,6 @@ struct UpgradeRequest {
 [[nodiscard]] std::string catalogueJson(
     const std::vector<CatalogueItem>& items,
     const Grant* grant = nullptr);
-
-/// Prometheus text of what is known: base units, no labels per client.
-[[nodiscard]] std::string metricsText(
-    const ServerStatus& status,
-    const std::vector<CatalogueItem>& items);
 
 /// Answers GET of a path on the main port: /models, /livez, /readyz, /version; else 404.
 [[nodiscard]] HttpReply routeMain(

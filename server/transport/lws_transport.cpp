@@ -105,6 +105,10 @@ struct Socket {
   std::unique_ptr<Connection> connection;
 };
 
+std::string subjectOf(const Socket& socket) {
+  return socket.grant ? socket.grant->subject : std::string();
+}
+
 Socket* socketOf(lws* wsi) {
   return static_cast<Socket*>(lws_get_opaque_user_data(wsi));
 }
@@ -185,6 +189,8 @@ class Transport final : public LwsTransport {
   std::array<std::uint64_t, 6> refused_{};  // by Refusal
   std::array<std::uint64_t, 7> endings_{};  // by Ending
   TrafficCounters traffic_;
+  TimeCounts loopLag_;
+  std::int64_t tickedMs_ = 0;
   RateLimit refusalLog_{kLoggedRefusals, kLoggedRefusals};
 };
 
@@ -347,7 +353,7 @@ void Transport::forget(lws* wsi) {
 void Transport::countRefusal(Refusal why, const std::string& address) {
   ++refused_[static_cast<std::size_t>(why)];
   if (!handlers_.happened || !refusalLog_.take(nowMs())) return;
-  handlers_.happened({TransportEvent::Kind::kRefused, 0, address, nameOf(why), 0.0, 0});
+  handlers_.happened({TransportEvent::Kind::kRefused, 0, address, nameOf(why)});
 }
 
 HttpReply Transport::turnAway(Refusal why, const std::string& address, const std::string& text) {
@@ -412,12 +418,19 @@ int Transport::establish(lws* wsi) {
   young_.erase(socket);
   socket->deadlineMs = 0;
   socket->connection = std::make_unique<Connection>(
-      Connection::Client{wsi, ++accepted_, std::move(socket->grant)},
+      Connection::Client{wsi, ++accepted_, socket->grant},
       Connection::Shared{options_.limits, shared_, traffic_, scratch_},
       nowMs());
   connections_.emplace(socket->connection.get(), wsi);
   if (handlers_.happened) {
-    handlers_.happened({TransportEvent::Kind::kOpened, accepted_, socket->address, {}, 0.0, 0});
+    handlers_.happened(
+        {TransportEvent::Kind::kOpened,
+         accepted_,
+         socket->address,
+         {},
+         0.0,
+         0,
+         subjectOf(*socket)});
   }
   return 0;
 }
@@ -437,7 +450,8 @@ void Transport::ended(Socket& socket) {
        socket.address,
        why,
        static_cast<double>(nowMs() - connection->bornMs()) / 1000.0,
-       connection->payloadBytes()});
+       connection->payloadBytes(),
+       subjectOf(socket)});
 }
 
 int Transport::onWebSocket(lws* wsi, lws_callback_reasons reason, void* in, std::size_t size) {
@@ -543,6 +557,7 @@ ServerStatus Transport::status() const {
   status.sentBytesTotal = traffic_.sentBytes;
   status.sentMessagesTotal = traffic_.sentMessages;
   status.receivedMessagesTotal = traffic_.receivedMessages;
+  status.loopLag = loopLag_;
   status.posesTotal = shared_.poses;
   status.posesReplacedTotal = shared_.posesReplaced;
   status.uptimeSeconds = static_cast<double>(nowMs() - startedMs_) / 1000.0;
@@ -553,6 +568,11 @@ ServerStatus Transport::status() const {
 
 void Transport::onTick() {
   const std::int64_t now = nowMs();
+  if (tickedMs_ != 0) {
+    const double since = static_cast<double>(now - tickedMs_) / 1000.0;
+    loopLag_.add(std::max(0.0, since - kTickSeconds));
+  }
+  tickedMs_ = now;
   if (handlers_.tick) handlers_.tick(now);
   bool cuts = false;
   for (const auto& [connection, wsi] : connections_) {

@@ -34,6 +34,7 @@ struct TransportEvent {
   std::string why;  // how it ended, or why it was refused
   double seconds = 0.0;
   std::uint64_t payloadBytes = 0;
+  std::string subject = {};  // of its token, if it says
 };
 
 /// What the transport asks its owner for. All on the loop thread.

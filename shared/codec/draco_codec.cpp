@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/codec/draco_codec.h"
 
-#include <draco/compression/decode.h>
+#include "shared/codec/allocation_budget.h"
+
+#include <draco/compression/config/decoder_options.h>
 #include <draco/compression/encode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/mesh/mesh.h>
 
 #include <algorithm>
+#include <exception>
 #include <memory>
 #include <string>
 
@@ -13,6 +17,10 @@ namespace limn {
 namespace {
 
 using draco::GeometryAttribute;
+
+constexpr int kMaxAttributes = 3;  // positions, colours, normals
+// All that Draco allocates for one mesh, freed or not. A base of 2^18 faces takes about 130 MiB.
+constexpr std::size_t kMaxDecoderBytes = std::size_t{384} << 20;
 
 // Value i of the attribute belongs to vertex i.
 template <class Vector>
@@ -120,7 +128,60 @@ Result<void> checkHeader(
         "Draco mesh claims " + std::to_string(vertices) + " vertices and " + std::to_string(faces) +
             " faces");
   }
+  // A connectivity of its own for every attribute, each as large as the mesh's.
+  if (bytes.empty() || bytes.front() > kMaxAttributes) {
+    return fail(ErrorCode::kCorrupt, "Draco mesh has attributes that it cannot have");
+  }
   return {};
+}
+
+// Draco's decoder, held to what we write: it stops before it makes room for other attributes.
+class GuardedDecoder final : public draco::MeshEdgebreakerDecoder {
+ protected:
+  bool CreateAttributesDecoder(std::int32_t id) override {
+    return id < kMaxAttributes && MeshEdgebreakerDecoder::CreateAttributesDecoder(id);
+  }
+
+  // Called once all attributes are described, before any is decoded.
+  bool DecodeAllAttributes() override {
+    if (point_cloud()->num_attributes() > kMaxAttributes) return false;
+    for (std::int32_t i = 0; i < point_cloud()->num_attributes(); ++i) {
+      const draco::PointAttribute& attribute = *point_cloud()->attribute(i);
+      if (!isOurs(attribute)) return false;
+    }
+    return MeshEdgebreakerDecoder::DecodeAllAttributes();
+  }
+
+ private:
+  static bool isOurs(const draco::PointAttribute& attribute) {
+    switch (attribute.attribute_type()) {
+      case GeometryAttribute::POSITION:
+        return attribute.data_type() == draco::DT_INT32 && attribute.num_components() == 3;
+      case GeometryAttribute::COLOR:
+        return attribute.data_type() == draco::DT_UINT8 && attribute.num_components() == 3;
+      case GeometryAttribute::GENERIC:
+        return attribute.data_type() == draco::DT_UINT16 && attribute.num_components() == 2;
+      default:
+        return false;
+    }
+  }
+};
+
+Result<std::unique_ptr<draco::Mesh>> runDraco(std::span<const std::uint8_t> bytes) {
+  draco::DecoderBuffer in;
+  in.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  auto mesh = std::make_unique<draco::Mesh>();
+  try {
+    const AllocationBudget budget(kMaxDecoderBytes);
+    const draco::DecoderOptions options;
+    if (!GuardedDecoder().Decode(options, &in, mesh.get()).ok()) {
+      return fail(ErrorCode::kCorrupt, "Draco mesh is damaged");
+    }
+  } catch (const std::exception&) {
+    // Out of its budget, or a length that no vector has.
+    return fail(ErrorCode::kLimitExceeded, "Draco mesh needs more memory than it may have");
+  }
+  return mesh;
 }
 
 }  // namespace
@@ -162,11 +223,9 @@ Result<TriangleMesh> decodeDraco(
     std::uint32_t maxVertices,
     std::uint32_t maxFaces) {
   if (auto ok = checkHeader(bytes, maxVertices, maxFaces); !ok) return tl::unexpected(ok.error());
-  draco::DecoderBuffer in;
-  in.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  auto decoded = draco::Decoder().DecodeMeshFromBuffer(&in);
-  if (!decoded.ok()) return fail(ErrorCode::kCorrupt, "Draco mesh is damaged");
-  const draco::Mesh& mesh = *decoded.value();
+  const auto decoded = runDraco(bytes);
+  if (!decoded) return tl::unexpected(decoded.error());
+  const draco::Mesh& mesh = **decoded;
   if (mesh.GetNamedAttribute(GeometryAttribute::POSITION) == nullptr ||
       mesh.num_points() > maxVertices || mesh.num_faces() > maxFaces) {
     return fail(ErrorCode::kCorrupt, "Draco mesh has no integer positions");

@@ -53,6 +53,18 @@ TEST(PrepareProcess, SurvivesMoreOutputThanAPipeHolds) {
   EXPECT_EQ(outcome.report.size(), 3000U * 41U);
 }
 
+TEST(PrepareProcess, MayTakeOnlySoMuch) {
+  // The limits come right after it has begun.
+  auto process = PrepareProcess::start(
+      {"/bin/sh", "-c", "until [ $(ulimit -t) = 77 ]; do :; done; ulimit -v; ulimit -t"},
+      {std::uint64_t{1} << 30, 77});
+  ASSERT_TRUE(process);
+  std::optional<PrepareProcess::Outcome> outcome;
+  while (!(outcome = process->poll()))
+    std::this_thread::yield();
+  EXPECT_EQ(outcome->report, "1048576\n77\n");
+}
+
 TEST(PrepareProcess, SaysWhenTheProgramIsMissing) {
   const auto process = PrepareProcess::start({"/nonexistent/limn-prepare"});
   ASSERT_FALSE(process);

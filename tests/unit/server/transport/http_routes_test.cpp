@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/transport/http_routes.h"
 
+#include "server/transport/metrics.h"
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
