@@ -131,7 +131,7 @@ void EdgeLinesMethod::drawLines(const DrawRequest& request, const gl::Texture& d
     light = {(*request.options.light - grid.toModel(tools_.mesh().center())) / grid.step, 1.0};
   }
   program_.set("light", glm::vec4(light));
-  program_.set("freeNeighbours", kFreeNeighbours);
+  program_.set("freeNeighbours", static_cast<int>(kFreeNeighbours));
   program_.set("depthMap", 4);
   gl::bindTexture(api, 4, depth);
   if (!usesGeometryShader_) {

@@ -28,17 +28,18 @@ Result<StrokePass> StrokePass::create(const gl::Api& api) {
       shaders::kScreenVertex,
       shaders::kVisibilityFragment);
   if (!test) return tl::unexpected(test.error());
-  auto filter = gl::Program::build(
-      api,
-      "visibility filter",
-      shaders::kScreenVertex,
-      shaders::kFilterFragment);
-  if (!filter) return tl::unexpected(filter.error());
+  auto vote =
+      gl::Program::build(api, "visibility votes", shaders::kScreenVertex, shaders::kVoteFragment);
+  if (!vote) return tl::unexpected(vote.error());
+  auto shape =
+      gl::Program::build(api, "visible runs", shaders::kScreenVertex, shaders::kShapeFragment);
+  if (!shape) return tl::unexpected(shape.error());
   auto stroke =
       gl::Program::build(api, "strokes", shaders::kStrokeVertex, shaders::kStrokeFragment);
   if (!stroke) return tl::unexpected(stroke.error());
   pass.testProgram_ = *std::move(test);
-  pass.filterProgram_ = *std::move(filter);
+  pass.voteProgram_ = *std::move(vote);
+  pass.shapeProgram_ = *std::move(shape);
   pass.strokeProgram_ = *std::move(stroke);
   pass.noAttributes_ = gl::VertexArray::create(api);
   pass.strokeArray_ = gl::VertexArray::create(api);
@@ -63,20 +64,21 @@ Result<void> StrokePass::findVisibility(const SpineSamples& samples, const gl::T
   const std::size_t count = samples.samples.size();
   const int rows = std::max(1, static_cast<int>((count + kAtlasWidth - 1) / kAtlasWidth));
   if (rows > rows_) {
-    int grown = 16;
+    int grown = 32;
     while (grown < rows)
       grown *= 2;
-    sampleTexture_ = gl::makeTexture(*api_, gl::TexelFormat::kRgba32f, {2 * kAtlasWidth, grown});
+    sampleTexture_ =
+        gl::makeTexture(*api_, gl::TexelFormat::kRgba32f, {kTexels * kAtlasWidth, grown});
     const gl::Target::Options atlas{
         .size = {kAtlasWidth, grown},
         .hasColor = true,
         .color = gl::TexelFormat::kR8};
     auto tested = gl::Target::create(*api_, "the visibility atlas", atlas);
     if (!tested) return tl::unexpected(tested.error());
-    auto filtered = gl::Target::create(*api_, "the visibility atlas", atlas);
-    if (!filtered) return tl::unexpected(filtered.error());
+    auto voted = gl::Target::create(*api_, "the visibility atlas", atlas);
+    if (!voted) return tl::unexpected(voted.error());
     tested_ = *std::move(tested);
-    filtered_ = *std::move(filtered);
+    voted_ = *std::move(voted);
     rows_ = grown;
   }
   // Whole rows first, then what is left of the last one.
@@ -87,7 +89,16 @@ Result<void> StrokePass::findVisibility(const SpineSamples& samples, const gl::T
   const int rest = static_cast<int>(count % kAtlasWidth);
   const SpineSample* data = samples.samples.data();
   if (whole > 0) {
-    api_->texSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 2 * kAtlasWidth, whole, GL_RGBA, GL_FLOAT, data);
+    api_->texSubImage2D(
+        GL_TEXTURE_2D,
+        0,
+        0,
+        0,
+        kTexels * kAtlasWidth,
+        whole,
+        GL_RGBA,
+        GL_FLOAT,
+        data);
   }
   if (rest > 0) {
     api_->texSubImage2D(
@@ -95,7 +106,7 @@ Result<void> StrokePass::findVisibility(const SpineSamples& samples, const gl::T
         0,
         0,
         whole,
-        2 * rest,
+        kTexels * rest,
         1,
         GL_RGBA,
         GL_FLOAT,
@@ -104,24 +115,32 @@ Result<void> StrokePass::findVisibility(const SpineSamples& samples, const gl::T
   api_->disable(GL_BLEND);
   api_->bindVertexArray(noAttributes_.id());
 
+  gl::bindTexture(*api_, 0, sampleTexture_);
+  const auto fill = [&](const gl::Target& target) {
+    target.bind();
+    api_->viewport(0, 0, kAtlasWidth, rows);
+    api_->drawArrays(GL_TRIANGLES, 0, 3);
+  };
   testProgram_.use();
   testProgram_.set("samples", 0);
   testProgram_.set("depthMap", 1);
-  testProgram_.set("freeNeighbours", kFreeNeighbours);
-  gl::bindTexture(*api_, 0, sampleTexture_);
   gl::bindTexture(*api_, 1, depth);
-  tested_.bind();
-  api_->viewport(0, 0, kAtlasWidth, rows);
-  api_->drawArrays(GL_TRIANGLES, 0, 3);
+  fill(tested_);
 
-  filterProgram_.use();
-  filterProgram_.set("samples", 0);
-  filterProgram_.set("tested", 1);
-  filterProgram_.set("radius", kVisibilityFilterRadius);
+  voteProgram_.use();
+  voteProgram_.set("samples", 0);
+  voteProgram_.set("tested", 1);
+  voteProgram_.set("radius", kVoteRadius);
   gl::bindTexture(*api_, 1, tested_.color());
-  filtered_.bind();
-  api_->viewport(0, 0, kAtlasWidth, rows);
-  api_->drawArrays(GL_TRIANGLES, 0, 3);
+  fill(voted_);
+
+  shapeProgram_.use();
+  shapeProgram_.set("samples", 0);
+  shapeProgram_.set("voted", 1);
+  shapeProgram_.set("ramp", static_cast<int>(kRampSamples));
+  shapeProgram_.set("margin", 2 * kShortRun);
+  gl::bindTexture(*api_, 1, voted_.color());
+  fill(tested_);
   return {};
 }
 
@@ -153,9 +172,8 @@ void StrokePass::draw(
   strokeProgram_.set("hiddenStroke", 2);
   strokeProgram_.set("hiddenMode", static_cast<int>(options.hidden));
   strokeProgram_.set("body", style.style.body);
-  // A step through the filter climbs from 0 to 1 over its window.
-  strokeProgram_.set("rampPx", (2 * kVisibilityFilterRadius + 1) / options.samplesPerPx);
-  gl::bindTexture(*api_, 0, filtered_.color());
+  strokeProgram_.set("rampPx", 2.0F * kRampSamples / options.samplesPerPx);
+  gl::bindTexture(*api_, 0, tested_.color());
   gl::bindTexture(*api_, 1, style.visible);
   gl::bindTexture(*api_, 2, style.hidden);
   api_->enable(GL_BLEND);
@@ -172,7 +190,7 @@ void StrokePass::draw(
 
 std::vector<float> StrokePass::readVisibility(std::size_t samples) const {
   if (rows_ == 0) return {};
-  filtered_.bind();
+  tested_.bind();
   std::vector<std::uint8_t> texels(
       4 * static_cast<std::size_t>(kAtlasWidth) * static_cast<std::size_t>(rows_));
   api_->pixelStorei(GL_PACK_ALIGNMENT, 1);

@@ -21,7 +21,8 @@ class StrokePass {
   /// Most samples a frame can have.
   static constexpr std::uint32_t kMaxSamples = 1U << 20;
 
-  /// Tests and filters every sample against depth. Errors: kUnavailable.
+  /// Tests every sample against depth, as sampleVisibility (client/stroke/visibility.h). Errors:
+  /// kUnavailable.
   [[nodiscard]] Result<void> findVisibility(const SpineSamples& samples, const gl::Texture& depth);
 
   /// What happens to hidden parts; the shader's numbers.
@@ -44,11 +45,13 @@ class StrokePass {
   [[nodiscard]] std::vector<float> readVisibility(std::size_t samples) const;
 
  private:
-  static constexpr int kAtlasWidth = 1024;  // samples a row
+  static constexpr int kAtlasWidth = 512;  // samples a row
+  static constexpr int kTexels = 3;        // of a sample
 
   const gl::Api* api_ = nullptr;
   gl::Program testProgram_;
-  gl::Program filterProgram_;
+  gl::Program voteProgram_;
+  gl::Program shapeProgram_;
   gl::Program strokeProgram_;
   gl::VertexArray noAttributes_;
   gl::VertexArray strokeArray_;
@@ -57,8 +60,8 @@ class StrokePass {
   // Grown when a frame needs more rows.
   int rows_ = 0;
   gl::Texture sampleTexture_;
-  gl::Target tested_;
-  gl::Target filtered_;
+  gl::Target tested_;  // and at last, with short runs left out
+  gl::Target voted_;
 };
 
 }  // namespace limn

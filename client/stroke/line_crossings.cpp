@@ -22,23 +22,23 @@ double cross2(const glm::dvec2& a, const glm::dvec2& b) {
 
 }  // namespace
 
-LineCrossings::LineCrossings(const Viewport& viewport) : viewport_(viewport) {
+void LineCrossings::begin(const Viewport& viewport) {
+  viewport_ = viewport;
+  edges_.clear();
+  cellBegin_.clear();
   const glm::dvec2 size(viewport.width, viewport.height);
   low_ = -kSpineMargin * size;
-  const glm::dvec2 extent = (1.0 + 2.0 * kSpineMargin) * size;
-  // Some 30 thousand cells whatever the picture's size.
-  cellPx_ = std::max(1.0, std::sqrt(extent.x * extent.y / 30'000.0));
-  columns_ = std::max(1, static_cast<int>(std::ceil(extent.x / cellPx_)));
-  rows_ = std::max(1, static_cast<int>(std::ceil(extent.y / cellPx_)));
 }
 
-void LineCrossings::addEdge(const glm::dvec4& a, const glm::dvec4& b) {
+void LineCrossings::addEdge(const glm::dvec4& a, const glm::dvec4& b, Surface side, FaceId face) {
   const ClipSpan span = clipSegment(a, b);
   if (span.empty()) return;
   const glm::dvec4 d = b - a;
   edges_.push_back(
       {pixelFromClip(span.begin > 0.0 ? a + span.begin * d : a, viewport_),
-       pixelFromClip(span.end < 1.0 ? a + span.end * d : b, viewport_)});
+       pixelFromClip(span.end < 1.0 ? a + span.end * d : b, viewport_),
+       side,
+       face});
 }
 
 template <class Visit>
@@ -71,54 +71,83 @@ void LineCrossings::forCells(const glm::dvec2& a, const glm::dvec2& b, Visit vis
 }
 
 void LineCrossings::build() {
+  // Some cells an edge, whatever the picture's size.
+  const glm::dvec2 extent =
+      (1.0 + 2.0 * kSpineMargin) * glm::dvec2(viewport_.width, viewport_.height);
+  const double cells = std::clamp(8.0 * static_cast<double>(edges_.size()), 4e3, 2.5e5);
+  cellPx_ = std::max(1.0, std::sqrt(extent.x * extent.y / cells));
+  columns_ = std::max(1, static_cast<int>(std::ceil(extent.x / cellPx_)));
+  rows_ = std::max(1, static_cast<int>(std::ceil(extent.y / cellPx_)));
   cellBegin_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
   for (const Edge& edge : edges_)
     forCells(glm::dvec2(edge.a), glm::dvec2(edge.b), [&](std::uint32_t c) { ++cellBegin_[c + 1]; });
   for (std::size_t c = 1; c < cellBegin_.size(); ++c)
     cellBegin_[c] += cellBegin_[c - 1];
   cellEdges_.resize(cellBegin_.back());
-  std::vector<std::uint32_t> place(cellBegin_.begin(), cellBegin_.end() - 1);
+  place_.assign(cellBegin_.begin(), cellBegin_.end() - 1);
   for (std::uint32_t i = 0; i < edges_.size(); ++i) {
     forCells(glm::dvec2(edges_[i].a), glm::dvec2(edges_[i].b), [&](std::uint32_t c) {
-      cellEdges_[place[c]++] = i;
+      cellEdges_[place_[c]++] = i;
     });
   }
 }
 
-void LineCrossings::cross(const glm::dvec4& a, const glm::dvec4& b, std::vector<double>& cuts)
+void LineCrossings::cross(const glm::dvec4& a, const glm::dvec4& b, std::vector<Crossing>& out)
     const {
   const ClipSpan span = clipSegment(a, b);
-  if (span.empty() || cellBegin_.empty()) return;
+  if (span.empty()) return;
   const glm::dvec4 d = b - a;
   const glm::dvec4 from = a + span.begin * d;
   const glm::dvec4 to = a + span.end * d;
-  const glm::dvec3 p = pixelFromClip(from, viewport_);
-  const glm::dvec3 q = pixelFromClip(to, viewport_);
+  const std::size_t before = out.size();
+  crossInPicture(pixelFromClip(from, viewport_), pixelFromClip(to, viewport_), out);
+  for (std::size_t i = before; i < out.size(); ++i) {
+    // From a share in the picture to one in space.
+    const double s = out[i].inPicture;
+    const double inSpace = s * from.w / (s * from.w + (1.0 - s) * to.w);
+    out[i].inSpace = span.begin + inSpace * (span.end - span.begin);
+  }
+}
+
+void LineCrossings::crossInPicture(
+    const glm::dvec3& p,
+    const glm::dvec3& q,
+    std::vector<Crossing>& out) const {
+  if (cellBegin_.empty()) return;
   const glm::dvec2 along(q - p);
-  const std::size_t before = cuts.size();
+  const std::size_t before = out.size();
   forCells(glm::dvec2(p), glm::dvec2(q), [&](std::uint32_t cell) {
     for (std::uint32_t k = cellBegin_[cell]; k < cellBegin_[cell + 1]; ++k) {
       const Edge& edge = edges_[cellEdges_[k]];
       const glm::dvec2 across(edge.b - edge.a);
       const glm::dvec2 gap(edge.a - p);
       const double det = cross2(along, across);
-      if (det == 0.0) continue;
-      const double s = cross2(gap, across) / det;
+      // Most edges are passed over before anything is divided.
+      const double sign = det < 0.0 ? -1.0 : 1.0;
+      const double size = sign * det;
+      const double sTimes = sign * cross2(gap, across);
+      const double uTimes = sign * cross2(gap, along);
+      if (!(sTimes > 0.0 && sTimes < size && uTimes >= 0.0 && uTimes <= size)) continue;
+      const double s = sTimes / size;
+      const double u = uTimes / size;
       if (!(s > kEnd && s < 1.0 - kEnd)) continue;
-      const double u = cross2(gap, along) / det;
-      if (!(u >= 0.0 && u <= 1.0)) continue;
       const double depth = p.z + s * (q.z - p.z);
-      if (!(edge.a.z + u * (edge.b.z - edge.a.z) < depth - kBefore)) continue;
-      // From a share in the picture to one in space.
-      const double inSpace = s * from.w / (s * from.w + (1.0 - s) * to.w);
-      cuts.push_back(span.begin + inSpace * (span.end - span.begin));
+      const double nearer = depth - (edge.a.z + u * (edge.b.z - edge.a.z));
+      if (!(nearer > kBefore)) continue;
+      // Rows run down: det > 0 is towards the edge's left.
+      out.push_back({0.0, s, (det > 0.0) == (edge.side == Surface::kLeft), nearer, edge.face});
     }
   });
+  if (out.size() < before + 2) return;
   // A pair that shares several cells was found in each, always with the same result.
-  std::sort(cuts.begin() + static_cast<std::ptrdiff_t>(before), cuts.end());
-  cuts.erase(
-      std::unique(cuts.begin() + static_cast<std::ptrdiff_t>(before), cuts.end()),
-      cuts.end());
+  const auto begin = out.begin() + static_cast<std::ptrdiff_t>(before);
+  std::sort(begin, out.end(), [](const Crossing& x, const Crossing& y) {
+    return x.inPicture != y.inPicture ? x.inPicture < y.inPicture : x.face < y.face;
+  });
+  const auto isSame = [](const Crossing& x, const Crossing& y) {
+    return x.inPicture == y.inPicture && x.face == y.face;
+  };
+  out.erase(std::unique(begin, out.end(), isSame), out.end());
 }
 
 }  // namespace limn

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "shared/core/camera.h"
+#include "shared/core/ids.h"
 
 #include <glm/glm.hpp>
 
@@ -14,23 +15,49 @@ namespace limn {
 /// a line meets only those near it. Add every edge, then build(), then ask.
 class LineCrossings {
  public:
-  explicit LineCrossings(const Viewport& viewport);
+  LineCrossings() = default;
 
-  /// An edge between two points in clip space. What lies outside the picture is left out.
-  void addEdge(const glm::dvec4& a, const glm::dvec4& b);
+  explicit LineCrossings(const Viewport& viewport) { begin(viewport); }
+
+  /// Forgets every edge, for another picture.
+  void begin(const Viewport& viewport);
+
+  /// On which side of an edge, walking along it in the picture, the surface that ends there lies.
+  enum class Surface : std::uint8_t { kLeft, kRight };
+
+  /// Where a line passes behind an edge.
+  struct Crossing {
+    double inSpace = 0.0;    // share of a → b, affine in space
+    double inPicture = 0.0;  // share of its part in the picture (clipSegment), affine there
+    bool enters = false;     // goes behind the surface there, or comes out from behind it
+    double gap = 0.0;        // how much farther away than the edge the line is, window depth
+    FaceId face = kNone;     // of the edge
+  };
+
+  /// An edge of a face between two points in clip space. What lies outside the picture is left out.
+  void addEdge(const glm::dvec4& a, const glm::dvec4& b, Surface side, FaceId face);
+
+  /// The same between two places in the picture (pixels, window depth).
+  void addEdgeInPicture(const glm::dvec3& a, const glm::dvec3& b, Surface side, FaceId face) {
+    edges_.push_back({a, b, side, face});
+  }
 
   /// Cost: O(edges + cells they touch).
   void build();
 
-  /// Appends to `cuts`, in no order, the places t (0 at a, 1 at b; strictly between, affine in
-  /// space) where an edge crosses a → b in the picture and is nearer than it there. One that only
-  /// touches an end of a → b does not count.
-  void cross(const glm::dvec4& a, const glm::dvec4& b, std::vector<double>& cuts) const;
+  /// Appends to `out`, from a to b, the places strictly between them where an edge crosses a → b in
+  /// the picture and is nearer than it there. One that only touches an end does not count.
+  void cross(const glm::dvec4& a, const glm::dvec4& b, std::vector<Crossing>& out) const;
+
+  /// The same between two places in the picture (pixels, window depth); inSpace is not set.
+  void crossInPicture(const glm::dvec3& p, const glm::dvec3& q, std::vector<Crossing>& out) const;
 
  private:
   struct Edge {
     glm::dvec3 a;  // x, y in pixels, window depth
     glm::dvec3 b;
+    Surface side;
+    FaceId face;
   };
 
   /// visit(cell) for every cell that the segment passes through; some may come twice.
@@ -45,6 +72,7 @@ class LineCrossings {
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> cellBegin_;  // by cell, and one past the last: into cellEdges_
   std::vector<std::uint32_t> cellEdges_;
+  std::vector<std::uint32_t> place_;
 };
 
 }  // namespace limn

@@ -98,7 +98,12 @@ class ViewResolver {
           continue;
         if (isClosed_ && isConcave(mesh_, positions_, h)) continue;
       }
-      crossings_.addEdge(clip(corner(h)), clip(corner(HalfEdgeMesh::next(h))));
+      const FaceId face = HalfEdgeMesh::face(h);
+      crossings_.addEdge(
+          clip(corner(h)),
+          clip(corner(HalfEdgeMesh::next(h))),
+          isFront_[face] != 0 ? LineCrossings::Surface::kLeft : LineCrossings::Surface::kRight,
+          face);
     }
     crossings_.build();
   }
@@ -128,9 +133,9 @@ class ViewResolver {
     }
     cuts_.clear();
     crossings_.cross(clip(a), clip(b), cuts_);
-    cuts_.push_back(1.0);
     double from = 0.0;
-    for (const double to : cuts_) {
+    for (std::size_t cut = 0; cut <= cuts_.size(); ++cut) {
+      const double to = cut < cuts_.size() ? cuts_[cut].inSpace : 1.0;
       const glm::dvec3 middle = glm::mix(a, b, 0.5 * (from + to));
       const bool isAside = isSmooth && !line.onSurface;
       const bool visible = !isBlocked(
@@ -229,7 +234,7 @@ class ViewResolver {
   std::uint32_t lastBlocker_ = kNone;  // what hides one piece often hides the next
   // Of the segment being resolved.
   std::vector<FaceId> own_;
-  std::vector<double> cuts_;
+  std::vector<LineCrossings::Crossing> cuts_;
 };
 
 }  // namespace

@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Based on: J. J. Koenderink, "What does the occluding contour tell us about solid shape?",
-// Perception 13, 1984: a contour is hidden by its own surface where the surface curves towards the
-// viewer (negative radial curvature). For a mesh edge that is a concave edge; for a smooth
-// silhouette it is where the front side lies farther away than the back side.
 #include "client/stroke/segment_facts.h"
-
-#include "shared/mesh/edge_shape.h"
 
 #include <algorithm>
 #include <array>
@@ -89,14 +83,10 @@ SegmentFacts SegmentJudge::judgeSmooth(FaceId face, std::uint32_t point, std::ui
   const glm::dvec3 a = corner(3 * face);
   const glm::dvec3 b = corner(3 * face + 1);
   const glm::dvec3 c = corner(3 * face + 2);
-  const glm::dvec3 n = glm::cross(b - a, c - a);
   const glm::dvec3 from(lines_.points[point]);
   const glm::dvec3 along = glm::dvec3(lines_.points[next]) - from;
   SegmentFacts facts;
-  // Lines run with the front side to their left: n × along points there. Where that side is the
-  // nearer one, the surface ends to the right of the line: n · (along × toEye) is the same number.
-  facts.hiddenByRule = glm::dot(glm::cross(n, along), towardEye(from + 0.5 * along)) < 0.0;
-  if (facts.hiddenByRule) return facts;
+  // Lines run with the front side to their left.
   facts.openSide = 1.0F;
   // The line may lie on a face turned away, under the faces around it: as deep as its own face is
   // across the line. Along it the line's own depth goes with the face: a rod's long faces reach
@@ -136,7 +126,6 @@ SegmentJudge::judge(const PolylineSet::Line& line, std::uint32_t point, std::uin
   if (face == kNone || face >= scene_.mesh.faceCount()) return facts;
   if (isSilhouette && h == kNone) return judgeSmooth(face, point, next);
   if (h == kNone) {
-    facts.hiddenByRule = !isFront(face);
     facts.bias = slopeBias(face, kReachPx);
     return facts;
   }
@@ -150,21 +139,11 @@ SegmentJudge::judge(const PolylineSet::Line& line, std::uint32_t point, std::uin
   const bool isFrontHere = isFront(face);
   const bool isFrontThere = isFront(other);
   if (isFrontHere != isFrontThere || isSilhouette) {
-    // A contour on a crease may differ from the faces' own by what their normals were rounded.
-    facts.hiddenByRule = isFrontHere != isFrontThere && isConcave(scene_.mesh, scene_.positions, h);
     // A half-edge has its own face to its left; the surface ends on the other side of the front.
     facts.openSide = isFrontHere ? 1.0F : -1.0F;
     facts.bias = slopeBias(isFrontHere ? face : other, 0.5F * kReachPx);
-    facts.hiddenByRule =
-        facts.hiddenByRule || isCoveredNearby(
-                                  scene_.mesh,
-                                  scene_.positions,
-                                  h,
-                                  towardEye(edgeMiddle(scene_.mesh, scene_.positions, h)));
     return facts;
   }
-  // A crease inside the picture of the surface, or one that faces away on both sides.
-  facts.hiddenByRule = !isFrontHere;
   facts.bias = std::max(slopeBias(face, kReachPx), slopeBias(other, kReachPx));
   return facts;
 }

@@ -10,10 +10,10 @@
 
 namespace limn {
 
-/// What the mesh says about one segment of a line seen from a camera.
+/// What the mesh says about how one segment of a line, seen from a camera, is to be looked up in a
+/// depth image.
 struct SegmentFacts {
-  bool hiddenByRule = false;  // its own two faces hide it, whatever else there is
-  float bias = 0.0F;          // window depth that its own surface may rise above it nearby
+  float bias = 0.0F;  // window depth that its own surface may rise above it nearby
   /// On which side of the line, seen along it in the picture, its surface ends: 1 right, −1 left,
   /// 0 neither (surface on both sides).
   float openSide = 0.0F;

@@ -8,15 +8,36 @@
 #include <cmath>
 
 namespace limn {
+namespace {
+
+/// Adds what the span at a place of a segment says about a sample there. Returns the span.
+std::uint32_t
+applySpan(const LineSpans& spans, std::uint32_t point, float share, SpineSample& sample) {
+  const std::uint32_t span = spans.spanAt(point, share);
+  if (spans.states[span] == LineSpans::State::kHidden) sample.bias = -1.0F;
+  if (spans.states[span] == LineSpans::State::kDoubtful) sample.neededFree = kDoubtfulNeighbours;
+  return span;
+}
+
+/// Tells samples first … end − 1 that they belong together.
+void bindSamples(std::size_t first, std::size_t end, SpineSamples& out) {
+  for (std::size_t i = first; i < end; ++i) {
+    out.samples[i].spanFirst = static_cast<float>(first);
+    out.samples[i].spanLast = static_cast<float>(end - 1);
+  }
+}
+
+}  // namespace
 
 SpineSamples sampleSpines(
     const SpineSet& spines,
     const SpineArcs& arcs,
     const PolylineSet& lines,
+    const LineSpans& spans,
     const LineScene& scene,
     const SampleOptions& options) {
   SpineSamples out;
-  sampleSpines(spines, arcs, lines, scene, options, out);
+  sampleSpines(spines, arcs, lines, spans, scene, options, out);
   return out;
 }
 
@@ -24,6 +45,7 @@ void sampleSpines(
     const SpineSet& spines,
     const SpineArcs& arcs,
     const PolylineSet& lines,
+    const LineSpans& spans,
     const LineScene& scene,
     const SampleOptions& options,
     SpineSamples& out) {
@@ -60,6 +82,8 @@ void sampleSpines(
     std::uint32_t judged = kNone;
     SegmentFacts facts;
     glm::vec2 outward(0.0F);
+    std::uint32_t spanFirst = first;
+    std::uint32_t span = kNone;
     const std::uint32_t lastSegment = spine.size() - (spine.closed ? 1 : 2);
     for (std::uint32_t i = 0; i < count; ++i) {
       const float arc = length * static_cast<float>(i) / static_cast<float>(steps);
@@ -87,29 +111,41 @@ void sampleSpines(
       const glm::vec2 place = glm::mix(spines.exact[from], spines.exact[to], t);
       sample.position = (place + facts.standOutPx * outward) * toFraction;
       sample.depth = glm::mix(spines.depth[from], spines.depth[to], t);
-      sample.bias = facts.hiddenByRule ? -1.0F : facts.bias;
+      sample.bias = facts.bias;
       sample.outward = outward;
       sample.first = static_cast<float>(first);
       sample.last = spine.closed ? -last : last;
+      const std::uint32_t before = span;
+      span = applySpan(spans, source, t, sample);
+      if (i > 0 && span != before) {
+        bindSamples(spanFirst, first + i, out);
+        spanFirst = first + i;
+      }
       out.samples.push_back(sample);
       out.source.push_back(source);
+    }
+    bindSamples(spanFirst, first + count, out);
+    if (spine.closed && spanFirst == first) {
+      for (std::uint32_t i = first; i < first + count; ++i)
+        out.samples[i].spanLast = last;
     }
   }
 }
 
-SpineSamples sampleSegments(const PolylineSet& lines, const LineScene& scene) {
-  const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
-  glm::dmat4 clipFromGrid = clipFromWorld * scene.grid.step;
-  clipFromGrid[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
+SpineSamples
+sampleSegments(const PolylineSet& lines, const LineSpans& spans, const LineScene& scene) {
+  const glm::dmat4 toClip = clipFromGrid(scene);
   const SegmentJudge judge(lines, scene);
   const glm::dvec2 size(scene.viewport.width, scene.viewport.height);
   SpineSamples out;
+  std::size_t spanFirst = 0;
+  std::uint32_t last = kNone;  // span
   for (const PolylineSet::Line& line : lines.lines) {
     for (std::uint32_t k = 0; k < line.segmentCount(); ++k) {
       const std::uint32_t point = line.begin + k;
       const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
-      const glm::dvec4 a = clipFromGrid * glm::dvec4(lines.points[point], 1.0);
-      const glm::dvec4 b = clipFromGrid * glm::dvec4(lines.points[next], 1.0);
+      const glm::dvec4 a = toClip * glm::dvec4(lines.points[point], 1.0);
+      const glm::dvec4 b = toClip * glm::dvec4(lines.points[next], 1.0);
       const ClipSpan span = clipSegment(a, b);
       if (span.empty()) continue;
       const glm::dvec3 from = pixelFromClip(a + span.begin * (b - a), scene.viewport);
@@ -118,22 +154,29 @@ SpineSamples sampleSegments(const PolylineSet& lines, const LineScene& scene) {
       const double length = glm::length(along);
       const SegmentFacts facts = judge.judge(line, point, next);
       SpineSample sample;
-      sample.bias = facts.hiddenByRule ? -1.0F : facts.bias;
       if (length > 1e-6)
         sample.outward = glm::vec2(
             glm::dvec2(-along.y, along.x) * (static_cast<double>(facts.openSide) / length));
-      const auto count = static_cast<std::uint32_t>(std::max(1.0, std::ceil(length)));
+      // An odd number, so that one is in the middle.
+      const std::uint32_t count = 2 * static_cast<std::uint32_t>(0.5 * std::ceil(length)) + 1;
       for (std::uint32_t i = 0; i < count; ++i) {
         const double t = (i + 0.5) / count;
         const glm::dvec2 outwards =
             static_cast<double>(facts.standOutPx) * glm::dvec2(sample.outward);
         sample.position = glm::vec2((glm::dvec2(from) + t * along + outwards) / size);
         sample.depth = static_cast<float>(glm::mix(from.z, to.z, t));
+        sample.bias = facts.bias;
+        sample.neededFree = kFreeNeighbours;
+        const std::uint32_t at = applySpan(spans, point, static_cast<float>(t), sample);
+        if (at != last) bindSamples(spanFirst, out.samples.size(), out);
+        if (at != last) spanFirst = out.samples.size();
+        last = at;
         out.samples.push_back(sample);
         out.source.push_back(point);
       }
     }
   }
+  bindSamples(spanFirst, out.samples.size(), out);
   return out;
 }
 

@@ -29,7 +29,11 @@ BuiltStrokes StrokeBuilder::build(
   dropFaded(spines_, fades_);
   smoothSpines(style.smoothPx, spines_);
   measureSpines(spines_, arcs_);
-  sampleSpines(spines_, arcs_, lines, scene, options.samples, samples_);
+  isDrawn_.assign(lines.points.size(), 0);
+  for (const std::uint32_t point : spines_.source)
+    isDrawn_[point] = 1;
+  spanFinder_.find(lines, isDrawn_, scene, spans_);
+  sampleSpines(spines_, arcs_, lines, spans_, scene, options.samples, samples_);
   const float period = texturePeriod(style, options.widthPx);
   coherence_.assign(spines_, arcs_, lines, scene, period, parameters_);
   findWidths(lines, scene.camera, options.widthFalloff);

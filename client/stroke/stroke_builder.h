@@ -4,6 +4,7 @@
 #include "client/stroke/coherent_parameters.h"
 #include "client/stroke/line_fade.h"
 #include "client/stroke/line_scene.h"
+#include "client/stroke/line_spans.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/polyline.h"
 #include "client/stroke/spine.h"
@@ -11,6 +12,7 @@
 #include "client/stroke/style.h"
 #include "client/stroke/tessellate.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace limn {
@@ -36,13 +38,13 @@ struct BuiltStrokes {
   const SpineParameters& parameters;
 };
 
-/// Chained lines to strokes: projection, fading, smoothing, samples, parameters and strips, one
-/// after another. Parameters follow the frame before, so one builder draws one view's frames.
+/// Chained lines to strokes: projection, fading, smoothing, spans, samples, parameters and strips,
+/// one after another. Parameters follow the frame before, so one builder draws one view's frames.
 /// Keeps its memory from frame to frame, so that a frame allocates nothing once it is warm.
 /// Threads: one caller at a time.
 class StrokeBuilder {
  public:
-  /// The result stays valid until the next call. Cost: O(points + length in pixels).
+  /// The result stays valid until the next call. Cost: O(faces + points + length in pixels).
   [[nodiscard]] BuiltStrokes build(
       const PolylineSet& lines,
       const LineScene& scene,
@@ -56,6 +58,9 @@ class StrokeBuilder {
   SpineSet spines_;
   std::vector<LineFade> fades_;
   SpineArcs arcs_;
+  LineSpanFinder spanFinder_;
+  std::vector<std::uint8_t> isDrawn_;  // by point
+  LineSpans spans_;
   SpineSamples samples_;
   SpineParameters parameters_;
   std::vector<float> widths_;

@@ -23,7 +23,7 @@ struct VisibleRun {
 
 struct RunOptions {
   /// Shorter changes are specks: dense meshes flip from edge to edge. They take on what is around
-  /// them, the shortest first. The picture's filter does the same (kVisibilityFilterRadius).
+  /// them, the shortest first.
   float shortestPx = 5.5F;
 };
 

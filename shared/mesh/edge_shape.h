@@ -37,4 +37,15 @@ isConcave(const HalfEdgeMesh& mesh, std::span<const glm::ivec3> positions, HalfE
     HalfEdgeId h,
     const glm::dvec3& towardEye);
 
+/// Whether a face around the vertex that half-edge `out` leaves is in front of a line from there,
+/// close to it; edge: whose two faces do not count. along: the line's direction; towardEye: from
+/// the vertex to the eye, any length. Cost: O(valence).
+[[nodiscard]] bool isCoveredAtStart(
+    const HalfEdgeMesh& mesh,
+    std::span<const glm::ivec3> positions,
+    HalfEdgeId out,
+    HalfEdgeId edge,
+    const glm::dvec3& along,
+    const glm::dvec3& towardEye);
+
 }  // namespace limn

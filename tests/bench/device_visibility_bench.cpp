@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Line visibility by depth image, as the device finds it, against the exact visibility of
 // client/stroke/resolved_visibility (itself checked against Embree by limn-visibility-bench): six
-// views at 1024 x 1024. One line of JSON a mesh, on stdout.
+// views at 1024 x 1024. Two lines of JSON a mesh, on stdout: silhouette edges, then smooth
+// silhouettes.
+//   A sample (one a pixel along every line) is wrong where its answer is not that at its place. A
+// span is long where more than kFarPx samples in a row are wrong and none of them is a neighbour of
+// a change of the truth ("long_spans_percent", of all samples), or whatever the truth does around
+// them ("strict").
 //   limn-device-visibility-bench MODEL-FILE...   (names of models as tests/corpus knows them)
 #include "client/render/assets.h"
 #include "client/render/renderer.h"
@@ -68,7 +73,8 @@ struct Tally {
   std::size_t falseHidden = 0;
   std::size_t samples = 0;          // a pixel of length each
   std::size_t wrong = 0;            // samples
-  std::size_t inLongSpans = 0;      // wrong ones in a row of more than kFarPx
+  std::size_t inLongSpans = 0;      // wrong ones in a row of more than kFarPx, not beside a change
+  std::size_t inStrictSpans = 0;    // beside one as well
   std::size_t farFalseVisible = 0;  // wrong ones farther than kFarPx from any truly visible line
   std::size_t farFalseHidden = 0;   // and from any line drawn as visible
 };
@@ -121,7 +127,8 @@ class Bench {
     std::printf(
         "{\"mesh\":\"%s\",\"silhouette\":\"%s\",\"edges\":%zu,\"false_visible_percent\":%.3f,"
         "\"false_hidden_percent\":%.3f,\"length_px\":%zu,\"length_wrong_percent\":%.3f,"
-        "\"long_spans_percent\":%.3f,\"far_false_visible_percent\":%.4f,"
+        "\"long_spans_percent\":%.3f,\"strict_long_spans_percent\":%.3f,\"far_false_visible_"
+        "percent\":%.4f,"
         "\"far_false_hidden_percent\":%.4f}\n",
         file.c_str(),
         kind == SilhouetteKind::kEdges ? "edges" : "smooth",
@@ -131,6 +138,7 @@ class Bench {
         tally.samples,
         percent(tally.wrong, tally.samples),
         percent(tally.inLongSpans, tally.samples),
+        percent(tally.inStrictSpans, tally.samples),
         percent(tally.farFalseVisible, tally.samples),
         percent(tally.farFalseHidden, tally.samples));
     return true;
@@ -198,7 +206,8 @@ class Bench {
       const DepthImage& depth,
       Tally& tally) {
     const SpineSet spines = projectLines(lines, scene);
-    const SpineSamples samples = sampleSpines(spines, measureSpines(spines), lines, scene);
+    const SpineSamples samples =
+        sampleSpines(spines, measureSpines(spines), lines, findSpans(lines, scene), scene);
     const std::vector<float> seen = sampleVisibility(samples, depth);
     const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(1.0);
     const auto fractionOf = [&](std::uint32_t point) {
@@ -231,14 +240,23 @@ class Bench {
     for (std::size_t s = 0; s < spines.spines.size(); ++s) {
       const std::size_t end = s + 1 < samples.begin.size() ? samples.begin[s + 1] : seen.size();
       std::size_t row = 0;
+      std::size_t strictRow = 0;
+      const auto count = [](bool isWrong, std::size_t& length, std::size_t& sum) {
+        if (isWrong) {
+          ++length;
+          return;
+        }
+        if (length > kFarPx) sum += length;
+        length = 0;
+      };
       for (std::size_t i = samples.begin[s]; i <= end; ++i) {
         const bool isWrong = i < end && truth[i] != (seen[i] >= 0.5F);
-        if (!isWrong) {
-          if (row > kFarPx) tally.inLongSpans += row;
-          row = 0;
-          continue;
-        }
-        ++row;
+        const bool isBesideChange =
+            isWrong && ((i > samples.begin[s] && truth[i - 1] != truth[i]) ||
+                        (i + 1 < end && truth[i + 1] != truth[i]));
+        count(isWrong && !isBesideChange, row, tally.inLongSpans);
+        count(isWrong, strictRow, tally.inStrictSpans);
+        if (!isWrong) continue;
         ++tally.wrong;
         const glm::vec2& at = samples.samples[i].position;
         if (truth[i]) {

@@ -56,14 +56,14 @@ void main() {
 inline constexpr std::string_view kVisibilityFragment = R"(#version 300 es
 precision highp float;
 precision highp int;
-uniform highp sampler2D samples;  // two texels a sample, see SpineSample
+uniform highp sampler2D samples;  // three texels a sample, see SpineSample
 uniform highp sampler2D depthMap;
-uniform int freeNeighbours;
 out float visible;
 void main() {
   ivec2 cell = ivec2(gl_FragCoord.xy);
-  vec4 place = texelFetch(samples, ivec2(2 * cell.x, cell.y), 0);
-  vec2 outward = texelFetch(samples, ivec2(2 * cell.x + 1, cell.y), 0).xy;
+  vec4 place = texelFetch(samples, ivec2(3 * cell.x, cell.y), 0);
+  vec2 outward = texelFetch(samples, ivec2(3 * cell.x + 1, cell.y), 0).xy;
+  int needed = int(texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0).z);
   visible = 0.0;
   if (place.w < 0.0) return;
   ivec2 size = textureSize(depthMap, 0);
@@ -77,12 +77,12 @@ void main() {
       if (texelFetch(depthMap, ivec2(texel.x, size.y - 1 - texel.y), 0).r >= limit) ++free;
     }
   }
-  visible = free >= freeNeighbours ? 1.0 : 0.0;
+  visible = free >= needed ? 1.0 : 0.0;
 }
 )";
 
-/// The filter along the spine: see sampleVisibility.
-inline constexpr std::string_view kFilterFragment = R"(#version 300 es
+/// The majority in a sample's span: see voteInSpans.
+inline constexpr std::string_view kVoteFragment = R"(#version 300 es
 precision highp float;
 precision highp int;
 uniform highp sampler2D samples;
@@ -93,16 +93,19 @@ void main() {
   ivec2 cell = ivec2(gl_FragCoord.xy);
   int width = textureSize(tested, 0).x;
   int index = cell.y * width + cell.x;
-  vec2 range = texelFetch(samples, ivec2(2 * cell.x + 1, cell.y), 0).zw;
-  int first = int(range.x);
-  int last = int(abs(range.y));
-  bool closed = range.y < 0.0;
+  visible = 0.0;
+  if (texelFetch(samples, ivec2(3 * cell.x, cell.y), 0).w < 0.0) return;
+  vec2 spine = texelFetch(samples, ivec2(3 * cell.x + 1, cell.y), 0).zw;
+  vec2 span = texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0).xy;
+  int first = int(span.x);
+  int last = int(span.y);
+  bool isRing = spine.y < 0.0 && span.x == spine.x && span.y == -spine.y;
   int count = max(last - first + 1, 1);
   float sum = 0.0;
   float weight = 0.0;
   for (int step = -radius; step <= radius; ++step) {
     int j = index + step;
-    if (closed) {
+    if (isRing) {
       j = first + (((j - first) % count) + count) % count;
     } else if (j < first || j > last) {
       continue;
@@ -110,7 +113,49 @@ void main() {
     sum += texelFetch(tested, ivec2(j % width, j / width), 0).r;
     weight += 1.0;
   }
-  visible = sum / max(weight, 1.0);
+  visible = 2.0 * sum >= weight ? 1.0 : 0.0;
+}
+)";
+
+/// Short runs left out, and the distance to a change: see sampleVisibility.
+inline constexpr std::string_view kShapeFragment = R"(#version 300 es
+precision highp float;
+precision highp int;
+uniform highp sampler2D samples;
+uniform highp sampler2D voted;
+uniform int ramp;   // samples
+uniform int margin; // what is lost at each end of a window
+out float visible;
+uint closeGaps(uint bits) {
+  uint left = bits << 1;
+  uint right = bits >> 1;
+  return bits | (left & right) | (left & (bits >> 2)) | ((bits << 2) & right);
+}
+void main() {
+  ivec2 cell = ivec2(gl_FragCoord.xy);
+  int width = textureSize(voted, 0).x;
+  int index = cell.y * width + cell.x;
+  vec2 range = texelFetch(samples, ivec2(3 * cell.x + 1, cell.y), 0).zw;
+  int first = int(range.x);
+  int last = int(abs(range.y));
+  int count = max(last - first + 1, 1);
+  int middle = ramp + margin;
+  uint bits = 0u;
+  for (int k = 0; k <= 2 * middle; ++k) {
+    int j = index + k - middle;
+    j = range.y < 0.0 ? first + (((j - first) % count) + count) % count : clamp(j, first, last);
+    if (texelFetch(voted, ivec2(j % width, j / width), 0).r > 0.5) bits |= 1u << k;
+  }
+  bits = ~closeGaps(~closeGaps(bits));
+  uint here = (bits >> middle) & 1u;
+  float reach = float(ramp) + 0.5;
+  float distance = reach;
+  for (int d = ramp; d >= 1; --d) {
+    if (((bits >> (middle + d)) & 1u) != here || ((bits >> (middle - d)) & 1u) != here)
+      distance = float(d) - 0.5;
+  }
+  float away = 0.5 * distance / reach;
+  visible = here != 0u ? 0.5 + away : 0.5 - away;
 }
 )";
 

@@ -45,7 +45,8 @@ void expectAgreement(GlBackend backend, SilhouetteKind kind) {
       camera,
       options.viewport};
   const SpineSet spines = projectLines(lines, scene);
-  const SpineSamples samples = sampleSpines(spines, measureSpines(spines), lines, scene);
+  const SpineSamples samples =
+      sampleSpines(spines, measureSpines(spines), lines, findSpans(lines, scene), scene);
   ASSERT_GT(samples.samples.size(), 1024U);  // more than a row of the atlas
   ASSERT_TRUE(strokePass->findVisibility(samples, depth->depth()));
   const std::vector<float> drawn = strokePass->readVisibility(samples.samples.size());

@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: Apache-2.0
+// Based on: A. Appel, "The Notion of Quantitative Invisibility and the Machine Rendering of
+// Solids", ACM 1967, and L. Markosian et al., "Real-Time Nonphotorealistic Rendering", SIGGRAPH
+// 1997: visibility changes only where a line passes behind a contour and at singular vertices.
+// J. J. Koenderink, "What does the occluding contour tell us about solid shape?", Perception 13,
+// 1984: a contour is hidden by its own surface where that curves towards the viewer; of a mesh at
+// concave edges, of a smooth silhouette where the front side lies farther away than the back side.
+// Deviations: nothing is counted along a line, where one wrong step spoils the rest. A place where
+// a line passes behind an edge tells on which side of it the line is hidden, and so up to the next
+// place of change. Lines that run behind an outline without passing it are probed across: a step
+// outwards, past the outline, comes out from behind it.
+#include "client/stroke/line_spans.h"
+
+#include "client/stroke/clip_segment.h"
+#include "client/stroke/segment_facts.h"
+
+#include "shared/mesh/edge_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limn {
+namespace {
+
+/// Smooth silhouettes before one by less than this many of its biases belong to its own surface.
+constexpr double kOwnSurface = 4.0;
+
+/// Probes reach this far; farther from an outline the depth image cannot be mistaken.
+constexpr double kProbePx = 1.5;
+/// A probe each pixel, and no more than this many a span.
+constexpr double kMostProbes = 16.0;
+
+}  // namespace
+
+glm::dmat4 clipFromGrid(const LineScene& scene) {
+  const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
+  glm::dmat4 m = clipFromWorld * scene.grid.step;
+  m[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
+  return m;
+}
+
+/// Cuts the lines of one view.
+class SpanCutter {
+ public:
+  using Segment = LineSpanFinder::Segment;
+  using State = LineSpans::State;
+
+  SpanCutter(
+      const PolylineSet& lines,
+      const LineScene& scene,
+      LineSpanFinder& memory,
+      LineSpans& out)
+      : lines_(lines),
+        scene_(scene),
+        memory_(memory),
+        out_(out),
+        judge_(lines, scene),
+        clipFromGrid_(clipFromGrid(scene)),
+        eye_(scene.grid.fromModel(scene.camera.eye)),
+        toEyeAtInfinity_(-scene.camera.forward()),
+        isPolygonal_(std::none_of(
+            lines.lines.begin(),
+            lines.lines.end(),
+            [&](const PolylineSet::Line& line) {
+              const auto first = lines.halfEdges.begin() + line.begin;
+              return isContour(line) && std::find(first, first + line.segmentCount(), kNone) !=
+                                            first + line.segmentCount();
+            })) {}
+
+  /// The segments of all lines, and those at which a surface ends as what hides others.
+  void gather(std::span<const std::uint8_t> isWanted) {
+    memory_.segments_.clear();
+    memory_.lineBegin_.clear();
+    for (const PolylineSet::Line& line : lines_.lines) {
+      memory_.lineBegin_.push_back(static_cast<std::uint32_t>(memory_.segments_.size()));
+      std::uint32_t begin = line.begin;
+      for (std::uint32_t point = line.begin; point < line.begin + line.segmentCount(); ++point) {
+        // What has no answers of its own, since it is too short, is a part of what comes next.
+        const bool isSmooth = lines_.halfEdges[point] == kNone;
+        if (isSmooth && !isWanted.empty() && isWanted[point] == 0) continue;
+        memory_.segments_.push_back(segmentOf(line, isSmooth ? begin : point, point));
+        begin = point + 1;
+      }
+    }
+    memory_.lineBegin_.push_back(static_cast<std::uint32_t>(memory_.segments_.size()));
+    memory_.crossings_.begin(scene_.viewport);
+    for (const Segment& segment : memory_.segments_) {
+      if (!segment.isInPicture || segment.openSide == 0) continue;
+      memory_.crossings_.addEdgeInPicture(
+          segment.from,
+          segment.to,
+          segment.openSide > 0 ? LineCrossings::Surface::kLeft : LineCrossings::Surface::kRight,
+          segment.face);
+    }
+    memory_.crossings_.build();
+  }
+
+  /// Appends the pieces of a line, and `begin` of its points.
+  void cut(std::size_t index) {
+    const PolylineSet::Line& line = lines_.lines[index];
+    const auto segments = std::span(memory_.segments_)
+                              .subspan(
+                                  memory_.lineBegin_[index],
+                                  memory_.lineBegin_[index + 1] - memory_.lineBegin_[index]);
+    firstSpan_ = out_.states.size();
+    bool goesOn = false;  // whether the next piece belongs to the span of the one before
+    for (const Segment& segment : segments) {
+      out_.begin.resize(segment.point + 1, static_cast<std::uint32_t>(out_.pieces.size()));
+      if (!goesOn || segment.isHiddenAtStart) out_.states.push_back(State::kOpen);
+      if (segment.isHiddenAtStart) out_.states.back() = State::kHidden;
+      meet(line, segment);
+      for (const LineCrossings::Crossing& c : memory_.found_) {
+        end(c.inPicture);
+        if (!c.enters) hide();
+        out_.states.push_back(State::kOpen);
+        if (c.enters) hide();
+      }
+      end(1.0);
+      if (segment.isHiddenAtEnd) out_.states.back() = State::kHidden;
+      goesOn = !segment.isHiddenAtEnd;
+    }
+    out_.begin.resize(line.end, static_cast<std::uint32_t>(out_.pieces.size()));
+    // A loop's last span goes on as its first.
+    if (line.closed && goesOn && !segments.front().isHiddenAtStart) joinSeam();
+    probe(line, segments);
+  }
+
+ private:
+  [[nodiscard]] static bool isContour(const PolylineSet::Line& line) {
+    return line.kind == LineKind::kSilhouette && !line.onSurface;
+  }
+
+  [[nodiscard]] glm::dvec3 corner(HalfEdgeId h) const {
+    return glm::dvec3(scene_.positions[scene_.mesh.origin(h)]);
+  }
+
+  [[nodiscard]] glm::dvec3 normal(FaceId face) const {
+    const glm::dvec3 a = corner(3 * face);
+    return glm::cross(corner(3 * face + 1) - a, corner(3 * face + 2) - a);
+  }
+
+  [[nodiscard]] glm::dvec3 towardEye(const glm::dvec3& p) const {
+    return scene_.camera.orthographic ? toEyeAtInfinity_ : eye_ - p;
+  }
+
+  [[nodiscard]] bool isFront(FaceId face) const {
+    return glm::dot(normal(face), towardEye(corner(3 * face))) > 0.0;
+  }
+
+  void end(double share) {
+    out_.pieces.push_back(
+        {static_cast<float>(share), static_cast<std::uint32_t>(out_.states.size() - 1)});
+  }
+
+  // Smooth silhouettes and their mesh's outline differ, so that one cannot be sure of either.
+  void hide() {
+    State& state = out_.states.back();
+    state = std::max(state, isPolygonal_ ? State::kHidden : State::kDoubtful);
+  }
+
+  [[nodiscard]] Segment
+  segmentOf(const PolylineSet::Line& line, std::uint32_t begin, std::uint32_t point) const {
+    Segment segment;
+    segment.begin = begin;
+    segment.point = point;
+    segment.next = point + 1 < line.end ? point + 1 : line.begin;
+    const glm::dvec3 from(lines_.points[begin]);
+    const glm::dvec3 to(lines_.points[segment.next]);
+    const HalfEdgeId h = lines_.halfEdges[point];
+    segment.face = h != kNone ? HalfEdgeMesh::face(h) : lines_.faces[point];
+    if (segment.face < scene_.mesh.faceCount()) {
+      if (h != kNone) {
+        judgeEdge(h, isContour(line), from, to, segment);
+      } else if (isContour(line)) {
+        // Lines run with the front side to their left: n × along points there. Where that side is
+        // the farther one, the surface bends towards the eye and covers the line.
+        segment.isHiddenAtStart =
+            glm::dot(glm::cross(normal(segment.face), to - from), towardEye(0.5 * (from + to))) <
+            0.0;
+        if (!segment.isHiddenAtStart) segment.openSide = 1;
+        segment.isHiddenAtEnd = segment.isHiddenAtStart;
+      } else {
+        segment.isHiddenAtStart = segment.isHiddenAtEnd = !isFront(segment.face);
+      }
+    }
+    const glm::dvec4 a = clipFromGrid_ * glm::dvec4(from, 1.0);
+    const glm::dvec4 b = clipFromGrid_ * glm::dvec4(to, 1.0);
+    const ClipSpan span = clipSegment(a, b);
+    segment.isInPicture = !span.empty();
+    if (segment.isInPicture) {
+      segment.from = pixelFromClip(a + span.begin * (b - a), scene_.viewport);
+      segment.to = pixelFromClip(span.end < 1.0 ? a + span.end * (b - a) : b, scene_.viewport);
+    }
+    return segment;
+  }
+
+  void judgeEdge(
+      HalfEdgeId h,
+      bool isContour,
+      const glm::dvec3& from,
+      const glm::dvec3& to,
+      Segment& segment) const {
+    const HalfEdgeId twin = scene_.mesh.twin(h);
+    const bool isFrontHere = isFront(HalfEdgeMesh::face(h));
+    const glm::dvec3 origin = corner(h);
+    const glm::dvec3 target = corner(HalfEdgeMesh::next(h));
+    // A half-edge has its face to its left, seen from the front.
+    const std::int8_t side = isFrontHere == (glm::dot(to - from, target - origin) > 0.0) ? 1 : -1;
+    if (twin == kNone) {
+      segment.openSide = side;
+    } else {
+      const bool isFrontThere = isFront(HalfEdgeMesh::face(twin));
+      const bool isHidden = isFrontHere != isFrontThere || isContour
+                                ? isConcave(scene_.mesh, scene_.positions, h)
+                                : !isFrontHere;
+      if (isHidden) {
+        segment.isHiddenAtStart = segment.isHiddenAtEnd = true;
+        return;
+      }
+      if (isFrontHere != isFrontThere) segment.openSide = side;
+    }
+    if (!isPolygonal_) {
+      // Where it comes out again is not known: half-hidden edges are what most of them is.
+      if (segment.openSide == 0 || twin == kNone) return;
+      const glm::dvec3 toEye = towardEye(edgeMiddle(scene_.mesh, scene_.positions, h));
+      segment.isHiddenAtStart = isCoveredNearby(scene_.mesh, scene_.positions, h, toEye);
+      segment.isHiddenAtEnd = segment.isHiddenAtStart;
+      return;
+    }
+    const auto isCovered = [&](const glm::dvec3& end, const glm::dvec3& along) {
+      if (end != origin && end != target) return false;  // inside the edge
+      const HalfEdgeId out = end == origin ? h : (twin != kNone ? twin : HalfEdgeMesh::next(h));
+      return isCoveredAtStart(scene_.mesh, scene_.positions, out, h, along, towardEye(end));
+    };
+    segment.isHiddenAtStart = isCovered(from, to - from);
+    segment.isHiddenAtEnd = isCovered(to, from - to);
+  }
+
+  // Where a segment passes behind others' surfaces (found_).
+  void meet(const PolylineSet::Line& line, const Segment& segment) {
+    std::vector<LineCrossings::Crossing>& found = memory_.found_;
+    found.clear();
+    if (!segment.isInPicture) return;
+    memory_.crossings_.crossInPicture(segment.from, segment.to, found);
+    leaveOutOwn(line, segment);
+  }
+
+  void leaveOutOwn(const PolylineSet::Line& line, const Segment& segment) {
+    std::vector<LineCrossings::Crossing>& found = memory_.found_;
+    if (isPolygonal_ || found.empty() || lines_.halfEdges[segment.point] != kNone) return;
+    const double own = kOwnSurface * judge_.judge(line, segment.point, segment.next).bias;
+    std::erase_if(found, [&](const LineCrossings::Crossing& c) { return c.gap < own; });
+  }
+
+  void joinSeam() {
+    const auto last = static_cast<std::uint32_t>(out_.states.size() - 1);
+    if (last == firstSpan_) return;
+    out_.states[firstSpan_] = std::max(out_.states[firstSpan_], out_.states[last]);
+    for (std::size_t i = out_.pieces.size(); i-- > 0 && out_.pieces[i].span == last;)
+      out_.pieces[i].span = static_cast<std::uint32_t>(firstSpan_);
+  }
+
+  // Spans about which nothing is known are hidden where steps outwards mostly come out from behind
+  // something.
+  void probe(const PolylineSet::Line& line, std::span<const Segment> segments) {
+    memory_.probes_.assign(out_.states.size() - firstSpan_, {});
+    forOpenPieces(
+        segments,
+        [](LineSpanFinder::Probes& probes, const Segment& s, double a, double b) {
+          probes.lengthPx += (b - a) * glm::distance(glm::dvec2(s.from), glm::dvec2(s.to));
+        });
+    forOpenPieces(
+        segments,
+        [&](LineSpanFinder::Probes& probes, const Segment& s, double a, double b) {
+          const glm::dvec2 along(s.to - s.from);
+          const double length = glm::length(along);
+          if (!(length > 1e-9)) return;
+          // Rows run down: right of (x, y) is (−y, x).
+          const glm::dvec3 step =
+              glm::dvec3(-along.y, along.x, 0.0) * (s.openSide * kProbePx / length);
+          const double spacing = std::max(1.0, probes.lengthPx / kMostProbes);
+          const int count = std::max(1, static_cast<int>((b - a) * length / spacing));
+          for (int k = 0; k < count; ++k) {
+            ++probes.asked;
+            if (comesOut(line, s, a + (b - a) * (k + 0.5) / count, step)) ++probes.hidden;
+          }
+        });
+    for (std::size_t i = 0; i < memory_.probes_.size(); ++i) {
+      const LineSpanFinder::Probes& probes = memory_.probes_[i];
+      if (probes.hidden > 0 && 2 * probes.hidden >= probes.asked)
+        out_.states[firstSpan_ + i] = isPolygonal_ ? State::kHidden : State::kDoubtful;
+    }
+  }
+
+  // visit(probes of its span, segment, from, to) for pieces of edges at which a surface ends.
+  template <class Visit>
+  void forOpenPieces(std::span<const Segment> segments, Visit visit) {
+    for (const Segment& segment : segments) {
+      if (segment.openSide == 0 || !segment.isInPicture) continue;
+      if (lines_.halfEdges[segment.point] == kNone) continue;
+      double from = 0.0;
+      for (std::size_t i = out_.begin[segment.point]; from < 1.0; ++i) {
+        const std::uint32_t span = out_.pieces[i].span;
+        if (out_.states[span] == State::kOpen)
+          visit(memory_.probes_[span - firstSpan_], segment, from, out_.pieces[i].end);
+        from = out_.pieces[i].end;
+      }
+    }
+  }
+
+  // Whether a step outwards from a place of a segment comes out from behind more than it goes in
+  // behind: then the place is behind something itself.
+  [[nodiscard]] bool comesOut(
+      const PolylineSet::Line& line,
+      const Segment& segment,
+      double t,
+      const glm::dvec3& step) {
+    std::vector<LineCrossings::Crossing>& found = memory_.found_;
+    found.clear();
+    const glm::dvec3 start = glm::mix(segment.from, segment.to, t);
+    memory_.crossings_.crossInPicture(start, start + step, found);
+    leaveOutOwn(line, segment);
+    int entered = 0;
+    for (const LineCrossings::Crossing& c : found) {
+      entered += c.enters ? 1 : -1;
+      if (entered < 0) return isBehind(segment, t, c.face);
+    }
+    return false;
+  }
+
+  // Whether a place of a segment lies behind a face's plane: not where the way has passed through.
+  [[nodiscard]] bool isBehind(const Segment& segment, double t, FaceId face) const {
+    const glm::dvec3 p = glm::mix(
+        glm::dvec3(lines_.points[segment.begin]),
+        glm::dvec3(lines_.points[segment.next]),
+        t);
+    const glm::dvec3 n = normal(face);
+    const glm::dvec3 a = corner(3 * face);
+    return (glm::dot(n, p - a) < 0.0) == (glm::dot(n, towardEye(a)) > 0.0);
+  }
+
+  const PolylineSet& lines_;
+  const LineScene& scene_;
+  LineSpanFinder& memory_;
+  LineSpans& out_;
+  SegmentJudge judge_;
+  glm::dmat4 clipFromGrid_;
+  glm::dvec3 eye_;  // grid units
+  glm::dvec3 toEyeAtInfinity_;
+  bool isPolygonal_;           // no silhouette is smooth: lines are exact
+  std::size_t firstSpan_ = 0;  // of the line at hand
+};
+
+void LineSpanFinder::find(
+    const PolylineSet& lines,
+    std::span<const std::uint8_t> isWanted,
+    const LineScene& scene,
+    LineSpans& out) {
+  out.pieces.clear();
+  out.begin.clear();
+  out.states.clear();
+  SpanCutter cutter(lines, scene, *this, out);
+  cutter.gather(isWanted);
+  for (std::size_t i = 0; i < lines.lines.size(); ++i)
+    cutter.cut(i);
+  out.begin.push_back(static_cast<std::uint32_t>(out.pieces.size()));
+}
+
+LineSpans findSpans(const PolylineSet& lines, const LineScene& scene) {
+  LineSpans out;
+  LineSpanFinder().find(lines, {}, scene, out);
+  return out;
+}
+
+}  // namespace limn

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/stroke/line_crossings.h"
+#include "client/stroke/line_scene.h"
+#include "client/stroke/polyline.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace limn {
+
+/// Lines cut where their visibility can change: where they pass behind a silhouette or a border
+/// among them, and where the faces around one of their points cover them. A span, from one such
+/// place to the next, is all visible or all hidden.
+struct LineSpans {
+  enum class State : std::uint8_t {
+    kOpen,      // nothing here says; whatever is in front decides
+    kDoubtful,  // hidden, as smooth silhouettes have it, which are not quite their mesh's outline
+    kHidden,
+  };
+
+  /// A part of a segment, from where the one before ends to `end` (shares of the segment's part in
+  /// the picture, affine there).
+  struct Piece {
+    float end = 1.0F;
+    std::uint32_t span = 0;
+  };
+
+  std::vector<Piece> pieces;
+  std::vector<std::uint32_t> begin;  // by point, and one past the last: into pieces
+  std::vector<State> states;         // by span
+
+  /// The span at a place of the segment that starts at a point.
+  [[nodiscard]] std::uint32_t spanAt(std::uint32_t point, float share) const {
+    std::uint32_t i = begin[point];
+    while (i + 1 < begin[point + 1] && pieces[i].end < share)
+      ++i;
+    return pieces[i].span;
+  }
+};
+
+/// Finds LineSpans. Keeps its working memory from frame to frame. Threads: one caller at a time.
+class LineSpanFinder {
+ public:
+  /// Fills `out` anew. isWanted: one entry a point, or empty (all): the segments that are asked for
+  /// later (SpineSet::source); smooth silhouettes are taken as they are in between.
+  /// Cost: O(segments · valence + crossings).
+  void find(
+      const PolylineSet& lines,
+      std::span<const std::uint8_t> isWanted,
+      const LineScene& scene,
+      LineSpans& out);
+
+ private:
+  friend class SpanCutter;
+
+  /// A segment as the picture has it.
+  struct Segment {
+    glm::dvec3 from{0.0};  // pixels, window depth
+    glm::dvec3 to{0.0};
+    std::uint32_t begin = 0;  // points: where it starts, whose answers it has, where it ends
+    std::uint32_t point = 0;
+    std::uint32_t next = 0;
+    FaceId face = kNone;
+    bool isInPicture = false;
+    bool isHiddenAtStart = false;
+    bool isHiddenAtEnd = false;
+    /// Where in the picture its surface ends: 1 right of it, −1 left, 0 nowhere.
+    std::int8_t openSide = 0;
+  };
+
+  /// How many probes of a span there were, and how many say that it is hidden.
+  struct Probes {
+    double lengthPx = 0.0;
+    int asked = 0;
+    int hidden = 0;
+  };
+
+  LineCrossings crossings_;
+  std::vector<Segment> segments_;
+  std::vector<std::uint32_t> lineBegin_;  // by line, and one past the last: into segments_
+  std::vector<Probes> probes_;            // by span of the line at hand
+  std::vector<LineCrossings::Crossing> found_;
+};
+
+/// clip space ← grid units.
+[[nodiscard]] glm::dmat4 clipFromGrid(const LineScene& scene);
+
+/// LineSpanFinder once, for every line.
+[[nodiscard]] LineSpans findSpans(const PolylineSet& lines, const LineScene& scene);
+
+}  // namespace limn
