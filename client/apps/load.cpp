@@ -95,7 +95,7 @@ int run(const Arguments& arguments) {
     missed.push_back(message);
   }
   const std::string report =
-      limn::load::reportJson(result->counters, result->server, result->seconds, missed);
+      limn::load::reportJson(*result, missed);
   if (arguments.report.empty()) {
     std::cout << report << "\n";
   } else {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <functional>
 #include <queue>
 #include <unordered_map>
@@ -26,11 +27,18 @@ constexpr double kGoodbyeMs = 2000.0;  // for closing handshakes after the last 
 constexpr double kShortestPauseMs = 5.0;
 
 /// Joins light clients to connections and to the clock.
+/// Processor time of this process so far.
+double ownCpuSeconds() {
+  timespec used{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
+
 class Runner : public LoadConnections::Listener {
  public:
   Runner(const Script& script, const RunOptions& options) : script_(script), options_(options) {}
 
-  Result<RunResult> run() {
+  Result<Run> run() {
     makeClients();
     LoadConnections::Options network;
     network.url = options_.url;
@@ -66,8 +74,9 @@ class Runner : public LoadConnections::Listener {
       if (due_.empty() && slots_.empty()) break;
     }
     if (watch) watch->sample();
-    RunResult result;
+    Run result;
     result.seconds = nowMs() / 1000.0;
+    result.ownCpuSeconds = ownCpuSeconds();
     result.counters = std::move(counters_);
     if (watch) result.server = watch->usage();
     connections_.reset();
@@ -208,7 +217,7 @@ class Runner : public LoadConnections::Listener {
 
 }  // namespace
 
-Result<RunResult> runScript(const Script& script, const RunOptions& options) {
+Result<Run> runScript(const Script& script, const RunOptions& options) {
   return Runner(script, options).run();
 }
 

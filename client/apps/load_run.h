@@ -26,14 +26,8 @@ struct RunOptions {
   std::function<void(double seconds, const Counters& counters)> progress;
 };
 
-struct RunResult {
-  Counters counters;
-  std::optional<ServerUsage> server;
-  double seconds = 0.0;
-};
-
 /// Plays a script against a server, in the calling thread, in real time. Errors: what
 /// LoadConnections::create() says.
-[[nodiscard]] Result<RunResult> runScript(const Script& script, const RunOptions& options);
+[[nodiscard]] Result<Run> runScript(const Script& script, const RunOptions& options);
 
 }  // namespace limn::load

@@ -93,11 +93,9 @@ std::vector<std::string> missedThresholds(
   return missed;
 }
 
-std::string reportJson(
-    const Counters& counters,
-    const std::optional<ServerUsage>& server,
-    double seconds,
-    const std::vector<std::string>& missed) {
+std::string reportJson(const Run& run, const std::vector<std::string>& missed) {
+  const Counters& counters = run.counters;
+  const std::optional<ServerUsage>& server = run.server;
   nlohmann::ordered_json report;
   report["clients"] = {
       {"asked", counters.asked},
@@ -105,7 +103,8 @@ std::string reportJson(
       {"failed", counters.failed},
       {"dropped", counters.dropped},
       {"reconnects", counters.reconnects}};
-  report["seconds"] = rounded(seconds);
+  report["seconds"] = rounded(run.seconds);
+  report["own_cpu_seconds"] = rounded(run.ownCpuSeconds);
   report["bytes_received"] = counters.bytesReceived;
   report["messages"] = counters.messages;
   report["poses_sent"] = counters.posesSent;

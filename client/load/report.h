@@ -65,11 +65,15 @@ struct ServerUsage {
     const Counters& counters,
     const std::optional<ServerUsage>& server);
 
+/// What became of a script that was played.
+struct Run {
+  Counters counters;
+  std::optional<ServerUsage> server;
+  double seconds = 0.0;
+  double ownCpuSeconds = 0.0;  // of this process: near `seconds`, it measures itself
+};
+
 /// The report (commands.md, limn-load) as JSON text. `missed` decides "passed".
-[[nodiscard]] std::string reportJson(
-    const Counters& counters,
-    const std::optional<ServerUsage>& server,
-    double seconds,
-    const std::vector<std::string>& missed);
+[[nodiscard]] std::string reportJson(const Run& run, const std::vector<std::string>& missed);
 
 }  // namespace limn::load

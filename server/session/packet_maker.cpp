@@ -36,8 +36,8 @@ std::shared_ptr<const CodedSplits> PacketMaker::packet(std::span<const VertexId>
     ++hits_;
     return found->second->packet;
   }
-  auto packet =
-      std::make_shared<const CodedSplits>(encoder_.encode(ids), encodeAttributes(forest_, ids));
+  auto packet = std::make_shared<const CodedSplits>(
+      CodedSplits{encoder_.encode(ids), encodeAttributes(forest_, ids)});
   if (cacheBytes_ > 0) keep({hash, {ids.begin(), ids.end()}, packet});
   return packet;
 }

@@ -401,6 +401,7 @@ class Bench:
             draco = self.draco[key] / 125_000 + 0.1 if key in self.draco else None  # two round trips to ask for it
             self.table.add("1 Mbit/s, base mesh", name, seen["base_s"], draco, None, "s")
             self.table.add("1 Mbit/s, settled at 1 px", name, seen["settled_s"], draco, None, "s")
+            self.table.add("  the first who looks from there", name, seen["cold_s"], draco, None, "s")
             for moment in seen["moments"]:
                 self.table.add("  contours off after %.2f s" % moment["seconds"], name, moment["p95_px"], None, None, "px")
             if draco:

@@ -38,11 +38,11 @@ TEST(LoadReport, HasTheKeysOfItsContract) {
   Counters counters;
   counters.note(std::string("bad \xff text"));
   const auto json =
-      nlohmann::json::parse(reportJson(counters, ServerUsage{1, 2, 3}, 4.0, {"missed"}));
+      nlohmann::json::parse(reportJson({counters, ServerUsage{1, 2, 3}, 4.0, 1.5}, {"missed"}));
   for (const char* key : {"asked", "connected", "failed", "dropped"}) {
     EXPECT_TRUE(json["clients"].contains(key)) << key;
   }
-  for (const char* key : {"bytes_received", "messages", "decode_errors", "passed", "failures"}) {
+  for (const char* key : {"bytes_received", "messages", "decode_errors", "own_cpu_seconds", "passed", "failures"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   for (const char* latency : {"connect", "base", "pose_to_packet", "settled"}) {

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table of tests/load/run.sh: every script against a server of its own, on this machine, the generator included."""
+
+import argparse
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent / "integration"), str(HERE.parent / "bench")]
+import harness  # noqa: E402
+import plot  # noqa: E402
+
+harness.DEADLINE_S = 3000  # of one program: a soak
+EXTENSIONS = (".ply", ".obj", ".stl", ".off", ".glb")
+GENERATED = {"dragon": (256, 128, 0.3), "turbine-blade": (192, 96, 0.2), "bunny-closed": (96, 48, 0.1)}
+# Everybody here has one address.
+LIMITS = ("--max-clients", 4096, "--max-clients-per-address", 4096)
+SWEEP = """decode = 0
+[[phase]]
+clients = %d
+ramp_s = 4
+hold_s = 10
+model = "%s"
+[thresholds]
+failed = 0
+"""
+
+
+def prepare(names, models, folder):
+    store = folder / "store"
+    for name in sorted(names):
+        found = [models / (name + e) for e in EXTENSIONS if models and (models / (name + e)).exists()]
+        mesh = found[0] if found else harness.write_obj(folder / (name + ".obj"), harness.torus(*GENERATED[name]))
+        harness.run("limn-prepare", mesh, "--store", store, "--name", name)
+    return store
+
+
+def play(store, script, folder):
+    """The report of one script."""
+    report = folder / "report.json"
+    with harness.Server(store, *LIMITS) as server:
+        harness.run("limn-load", "--server", server.url, "--script", script, "--report", report, expect=None)
+    return json.loads(report.read_text())
+
+
+def number(value, digits="%.0f"):
+    return "-" if value is None else digits % value
+
+
+HEAD = ("script", "clients", "failed", "connect p99", "pose p50", "pose p99", "settled p99", "MB", "server CPU", "own CPU",
+        "MiB more", "")
+LINE = "%-20s %8s %7s %12s %9s %9s %12s %8s %11s %9s %9s  %s"
+
+
+def line(name, report):
+    clients, latency, server = report["clients"], report["latency_ms"], report["server"] or {}
+    seconds = report["seconds"]
+    share = lambda used: None if used is None else 100 * used / seconds  # noqa: E731
+    growth = server["rss_mib_peak"] - server["rss_mib_before"] if server else None
+    return LINE % (
+        name, clients["asked"], clients["failed"] + clients["dropped"], number(latency["connect"]["p99"]),
+        number(latency["pose_to_packet"]["p50"]), number(latency["pose_to_packet"]["p99"]),
+        number(latency["settled"]["p99"]), number(report["bytes_received"] / 1e6, "%.1f"),
+        number(share(server.get("cpu_seconds")), "%.0f %%"), number(share(report["own_cpu_seconds"]), "%.0f %%"),
+        number(growth, "%.1f"), "passed" if report["passed"] else "FAILED: " + "; ".join(report["failures"]))
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="tests/load/run.sh")
+    parser.add_argument("scripts", nargs="*", type=pathlib.Path)
+    parser.add_argument("--models", type=pathlib.Path, default=harness.models())
+    parser.add_argument("--soak", action="store_true")
+    parser.add_argument("--plot", type=pathlib.Path)
+    parser.add_argument("--json", type=pathlib.Path)
+    arguments = parser.parse_args()
+    scripts = arguments.scripts or [s for s in sorted(HERE.glob("*.toml")) if arguments.soak or s.stem != "soak"]
+    names = set()
+    for script in scripts:
+        text = script.read_text()
+        names.update(re.findall(r'"([^"]+)"', " ".join(re.findall(r"^(?:model|also) *= *(.*)$", text, re.M))))
+    if arguments.plot:
+        names.add("turbine-blade")
+    unknown = sorted(n for n in names if n not in GENERATED and not (arguments.models and any(
+        (arguments.models / (n + e)).exists() for e in EXTENSIONS)))
+    if unknown:
+        parser.error("no mesh for %s: give --models DIR" % ", ".join(unknown))
+    folder, reports = pathlib.Path(tempfile.mkdtemp(prefix="limn-load-")), {}
+    try:
+        store = prepare(names, arguments.models, folder)
+        print(LINE % HEAD)
+        for script in scripts:
+            reports[script.stem] = play(store, script, folder)
+            print(line(script.stem, reports[script.stem]), flush=True)
+        if arguments.plot:
+            curves = {"p50": [], "p99": []}
+            for clients in (1, 5, 10, 25, 50, 100, 200):
+                script = folder / "sweep.toml"
+                script.write_text(SWEEP % (clients, "turbine-blade"))
+                report = play(store, script, folder)
+                for name, points in curves.items():
+                    points.append((clients, report["latency_ms"]["pose_to_packet"][name] or 0.0))
+                print(line("%d orbit" % clients, report), flush=True)
+            plot.write(arguments.plot, "turbine-blade: pose to packet, ms, against clients that orbit it", curves)
+        if arguments.json:
+            arguments.json.write_text(json.dumps(reports, indent=1) + "\n")
+    except (AssertionError, subprocess.SubprocessError, OSError) as error:
+        print("run.sh: %s" % error, file=sys.stderr)
+        return 1
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return 0 if all(report["passed"] for report in reports.values()) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
