@@ -305,8 +305,11 @@ void main() {
     ink *= mix(vec2(1.0), smoothstep(vec2(-0.35), vec2(0.30), ink - n * 0.9 + 0.25), grain);
   }
   // Where many hidden lines lie together each is paler, as an illustrator would have it.
-  float crowded = ink.g > 0.0 ? clamp(0.08 / max(hiddenDensity(vec2(pixel) + 0.5), 0.001), 0.3, 1.0)
-                              : 1.0;
+  float crowded = 1.0;
+  if (ink.g > 0.0) {
+    float few = 0.07 / max(hiddenDensity(vec2(pixel) + 0.5), 0.001);
+    crowded = clamp(few * sqrt(few), 0.08, 1.0);
+  }
   vec3 result = mix(paper, hiddenColor, ink.g * opacities.y * crowded);
   result = mix(result, visibleColor, ink.r * opacities.x);
   color = vec4(result, 1.0);

@@ -121,6 +121,44 @@ TEST_P(RendererOn, ACubesHiddenEdgesAreDashedAndTheOthersSolid) {
   EXPECT_EQ(absent, 3);
 }
 
+TEST_P(RendererOn, CrowdedHiddenLinesAreMuchPalerThanFew) {
+  auto renderer = makeRenderer(GetParam());
+  ASSERT_TRUE(renderer);
+  const MeshSnapshot cube = snapshotOf(primitives::cube());
+  const Camera camera = orbitCamera(cube.model.sphere, 0, 0);
+  glm::vec3 low(cube.mesh.positions()[0]);
+  glm::vec3 high = low;
+  for (const glm::ivec3& p : cube.mesh.positions()) {
+    low = glm::min(low, glm::vec3(p));
+    high = glm::max(high, glm::vec3(p));
+  }
+  // Level lines through the middle of the cube, all behind its front.
+  const auto darkest = [&](int count) {
+    PolylineSet lines;
+    for (int i = 0; i < count; ++i) {
+      const auto begin = static_cast<std::uint32_t>(lines.points.size());
+      for (const float x : {0.2F, 0.8F}) {
+        const float y = 0.5F + 0.01F * static_cast<float>(i - count / 2);
+        lines.points.push_back(glm::mix(low, high, glm::vec3(x, y, 0.5F)));
+        lines.halfEdges.push_back(kNone);
+        lines.faces.push_back(kNone);
+      }
+      lines.lines.push_back({LineKind::kCrease, false, begin, begin + 2});
+    }
+    const auto frame = renderer->render(cube, lines, camera, inkAt(512));
+    EXPECT_TRUE(frame);
+    int best = 0;
+    for (int x = 200; frame && x < 312; ++x) {
+      for (int y = 250; y < 262; ++y)
+        best = std::max(best, darkness(frame->image, x, y));
+    }
+    return best;
+  };
+  const int alone = darkest(1);
+  EXPECT_GT(alone, 60);
+  EXPECT_LT(2 * darkest(60), alone);
+}
+
 TEST_P(RendererOn, TheDepthImageIsTheMeshsDepth) {
   auto renderer = makeRenderer(GetParam());
   ASSERT_TRUE(renderer);
