@@ -361,6 +361,17 @@ class Proxy:
             side.close()
 
 
+def make_certificate(folder):
+    """Files of a certificate for localhost that signs itself, and of its key."""
+    certificate, key = folder / "server.pem", folder / "server.key"
+    if not certificate.exists():
+        subprocess.run(
+            ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
+             "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1", "-keyout", key, "-out",
+             certificate], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=DEADLINE_S)
+    return certificate, key
+
+
 class Case(unittest.TestCase):
     """A test with a scratch folder and a store in it."""
 
@@ -370,14 +381,7 @@ class Case(unittest.TestCase):
         self.store = self.folder / "store"
 
     def certificate(self):
-        """Files of a certificate for localhost that signs itself, and of its key."""
-        certificate, key = self.folder / "server.pem", self.folder / "server.key"
-        if not certificate.exists():
-            subprocess.run(
-                ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
-                 "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1", "-keyout", key, "-out",
-                 certificate], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=DEADLINE_S)
-        return certificate, key
+        return make_certificate(self.folder)
 
     def prepare(self, source, name, *arguments):
         """The report, and the prepared mesh as limn-prepare dumps it."""

@@ -2,13 +2,17 @@
 """The table of tests/load/run.sh: every script against a server of its own, on this machine, the generator included."""
 
 import argparse
+import contextlib
 import json
+import os
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "integration"), str(HERE.parent / "bench")]
@@ -40,12 +44,53 @@ def prepare(names, models, folder):
     return store
 
 
-def play(store, script, folder):
-    """The report of one script."""
+class Watch(threading.Thread):
+    """Memory of a process, MiB, a sample a second."""
+
+    def __init__(self, process):
+        super().__init__(daemon=True)
+        self.process, self.memory, self.done = process, [], threading.Event()
+
+    def run(self):
+        while not self.done.wait(1.0):
+            with contextlib.suppress(OSError, AttributeError):
+                status = pathlib.Path("/proc/%d/status" % self.process.pid).read_text()
+                self.memory.append(int(re.search(r"VmRSS:\s+(\d+)", status)[1]) / 1024)
+
+    def growth(self):
+        """By how much the last sixth is above the time from a third to a half; None for less than a minute."""
+        if len(self.memory) < 60:
+            return None
+        middle, end = self.memory[len(self.memory) // 3:len(self.memory) // 2], self.memory[-(len(self.memory) // 6):]
+        return sum(end) / len(end) / (sum(middle) / len(middle)) - 1
+
+
+def descriptors(process):
+    return len(os.listdir("/proc/%d/fd" % process.pid))
+
+
+def play(store, script, folder, tls=False):
+    """The report of one script, and what a script cannot see: descriptors left open, memory that grows over a soak."""
     report = folder / "report.json"
-    with harness.Server(store, *LIMITS) as server:
-        harness.run("limn-load", "--server", server.url, "--script", script, "--report", report, expect=None)
-    return json.loads(report.read_text())
+    secret = ("--tls-cert", folder / "server.pem", "--tls-key", folder / "server.key") if tls else ()
+    with harness.Server(store, *LIMITS, *secret) as server:
+        server.wait_for_metric("limn_ready", 1)
+        before, watch = descriptors(server.process), Watch(server.process)
+        watch.start()
+        url = "wss://localhost:%d" % server.port if tls else server.url
+        harness.run("limn-load", "--server", url, "--server-pid", server.process.pid, "--script", script, "--report", report,
+                    *(("--ca-file", folder / "server.pem") if tls else ()), expect=None)
+        watch.done.set()
+        # The last clients' sockets close, and that of the metrics.
+        time.sleep(1.0)
+        left = descriptors(server.process) - before
+    result = json.loads(report.read_text())
+    if left > 0:
+        result["failures"].append("%d descriptors left open" % left)
+    if script.stem == "soak" and (watch.growth() or 0) > 0.02:
+        result["failures"].append("memory still grew by %.1f %%" % (100 * watch.growth()))
+    result["passed"] = not result["failures"]
+    return result
 
 
 def number(value, digits="%.0f"):
@@ -75,6 +120,7 @@ def main():
     parser.add_argument("scripts", nargs="*", type=pathlib.Path)
     parser.add_argument("--models", type=pathlib.Path, default=harness.models())
     parser.add_argument("--soak", action="store_true")
+    parser.add_argument("--tls", action="store_true")
     parser.add_argument("--plot", type=pathlib.Path)
     parser.add_argument("--json", type=pathlib.Path)
     arguments = parser.parse_args()
@@ -92,9 +138,11 @@ def main():
     folder, reports = pathlib.Path(tempfile.mkdtemp(prefix="limn-load-")), {}
     try:
         store = prepare(names, arguments.models, folder)
+        if arguments.tls:
+            harness.make_certificate(folder)
         print(LINE % HEAD)
         for script in scripts:
-            reports[script.stem] = play(store, script, folder)
+            reports[script.stem] = play(store, script, folder, arguments.tls)
             print(line(script.stem, reports[script.stem]), flush=True)
         if arguments.plot:
             curves = {"p50": [], "p99": []}
