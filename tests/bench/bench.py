@@ -312,6 +312,7 @@ class Bench:
             for what, target in (("visible", 2), ("hidden", 0.1)):
                 wrong = device["false_%s_percent" % what]
                 self.table.add("visibility, device, false " + what, name, wrong, None, target, "%")
+            self.table.add("visibility, device, spans > 2 px", name, device["long_spans_percent"], None, 0, "%")
 
     def clip(self):
         """Exact contours, and papers/003's tables: 1, frames of the original against those of a clipped hull, in one
