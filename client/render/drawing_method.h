@@ -44,7 +44,8 @@ class DrawingMethod {
   DrawingMethod(const DrawingMethod&) = delete;
   DrawingMethod& operator=(const DrawingMethod&) = delete;
 
-  /// Fills `picture` (kRgba8, the viewport's size; for kClip with depth and stencil). A method sets
+  /// Fills `picture` (kRgba8, the viewport's size; for kClip, and kShaded without
+  /// supersampling, with depth and stencil). A method sets
   /// timings.strokeMs and visibilityMs if it has such parts; the caller reads the picture back and
   /// calls the rest drawMs. Blending, culling, depth and stencil tests are off before and after;
   /// writing colour and depth is on; any target, program or texture may be bound.

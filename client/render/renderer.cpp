@@ -200,7 +200,8 @@ Result<Frame> Renderer::Impl::render(
   const gl::Target::Options picture{
       .size = {viewport.width, viewport.height},
       .color = gl::TexelFormat::kRgba8,
-      .hasStencil = options.draw == DrawMode::kClip};
+      .hasStencil =
+          options.draw == DrawMode::kClip || (options.draw == DrawMode::kShaded && factor == 1)};
   if (auto ok = tools->fit(pictureTarget, "the picture", picture); !ok) {
     return tl::unexpected(ok.error());
   }
