@@ -94,8 +94,7 @@ int run(const Arguments& arguments) {
     if (!result->counters.errors.empty()) message += ": " + result->counters.errors.begin()->first;
     missed.push_back(message);
   }
-  const std::string report =
-      limn::load::reportJson(*result, missed);
+  const std::string report = limn::load::reportJson(*result, missed);
   if (arguments.report.empty()) {
     std::cout << report << "\n";
   } else {

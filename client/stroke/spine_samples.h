@@ -12,8 +12,8 @@
 
 namespace limn {
 
-/// How many of the depth image's pixels around a sample must hold no surface before it, and how many
-/// where its span is doubtful (LineSpans), of the five to nine that are asked.
+/// How many of the depth image's pixels around a sample must hold no surface before it, and how
+/// many where its span is doubtful (LineSpans), of the five to nine that are asked.
 inline constexpr float kFreeNeighbours = 2.0F;
 inline constexpr float kDoubtfulNeighbours = 4.0F;
 

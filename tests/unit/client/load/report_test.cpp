@@ -42,7 +42,8 @@ TEST(LoadReport, HasTheKeysOfItsContract) {
   for (const char* key : {"asked", "connected", "failed", "dropped"}) {
     EXPECT_TRUE(json["clients"].contains(key)) << key;
   }
-  for (const char* key : {"bytes_received", "messages", "decode_errors", "own_cpu_seconds", "passed", "failures"}) {
+  for (const char* key :
+       {"bytes_received", "messages", "decode_errors", "own_cpu_seconds", "passed", "failures"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   for (const char* latency : {"connect", "base", "pose_to_packet", "settled"}) {
