@@ -37,6 +37,7 @@ inline constexpr std::uint32_t kMaxMapPieces = 1u << 12;
 inline constexpr int kMinGridBits = 11;
 inline constexpr int kMaxGridBits = 18;
 inline constexpr std::uint8_t kMaxAttributeKinds = 7;  // ModelInfo.attributes: every bit
+inline constexpr std::uint8_t kMaxPlacement = 1;       // ModelInfo.placement
 inline constexpr std::uint32_t kMaxPacketSplits = 1u << 20;
 
 }  // namespace limn::limits

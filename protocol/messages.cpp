@@ -246,6 +246,7 @@ Result<Body> read(const wire::ModelInfo& m) {
   info.splitModel = view(m.split_model());
   info.seedBytes = m.seed_bytes();
   info.attributes = m.attributes();
+  info.placement = m.placement();
   const auto asset = digest(view(m.asset()));
   if (!asset) return bad("ModelInfo.asset is not 32 bytes");
   info.asset = *asset;
@@ -263,6 +264,7 @@ Result<Body> read(const wire::ModelInfo& m) {
   if (info.splitModel.size() > limits::kMaxSplitModelBytes)
     return tooLarge("ModelInfo.split_model");
   if (info.attributes > limits::kMaxAttributeKinds) return bad("ModelInfo.attributes");
+  if (info.placement > limits::kMaxPlacement) return bad("ModelInfo.placement");
   if (info.seedBytes > limits::kMaxSeedBytes) return tooLarge("ModelInfo.seed_bytes");
   if (m.hull() != nullptr) {
     const auto hull = readHull(*m.hull());
@@ -558,6 +560,7 @@ struct Writer {
     if (m.hull) info.add_hull(hull);
     if (m.maps) info.add_maps(maps);
     info.add_attributes(m.attributes);
+    info.add_placement(m.placement);
     return info.Finish().Union();
   }
 

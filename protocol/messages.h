@@ -164,6 +164,7 @@ struct ModelInfo {
   std::optional<HullInfo> hull;
   std::optional<MapInfo> maps;
   std::uint8_t attributes = 0;  // AttributeKind bits
+  std::uint8_t placement = 0;   // Placement
 };
 
 struct Base {

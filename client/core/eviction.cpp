@@ -11,6 +11,8 @@ namespace {
 
 /// Bytes of ActiveMesh a vertex of a closed mesh: six half-edges and what is kept by vertex.
 constexpr std::uint64_t kBytesPerVertex = 6 * 9 + 25;
+/// … and of its history, where vertices move.
+constexpr std::uint64_t kBytesPerHistory = 20;
 /// Of the slot table, by thousands of ids, however few of them are held.
 constexpr std::uint64_t kBytesPerPage = 1024 * 4 + 48;
 constexpr std::uint64_t kCopies = 3;
@@ -90,15 +92,14 @@ void normalsAround(const ActiveMesh& active, Slot slot, std::vector<glm::dvec3>&
 
 }  // namespace
 
-std::uint32_t splitsThatFit(
-    std::uint64_t bytes,
-    std::uint32_t baseVertices,
-    std::uint32_t vertices,
-    std::uint8_t attributeKinds) {
+std::uint32_t splitsThatFit(std::uint64_t bytes, const protocol::ModelInfo& model) {
+  const std::uint32_t baseVertices = model.levelBegin[1];
+  const std::uint32_t vertices = model.vertices;
   // Seams are bits that every half-edge has anyway.
   const std::uint64_t perVertex =
-      kBytesPerVertex + ((attributeKinds & kAttributeColors) != 0 ? sizeof(SrgbColor) : 0) +
-      ((attributeKinds & kAttributeNormals) != 0 ? sizeof(OctNormal) : 0);
+      kBytesPerVertex + ((model.attributes & kAttributeColors) != 0 ? sizeof(SrgbColor) : 0) +
+      ((model.attributes & kAttributeNormals) != 0 ? sizeof(OctNormal) : 0) +
+      (model.placement != 0 ? kBytesPerHistory : 0);
   const std::uint64_t copy = bytes / kCopies;
   const std::uint64_t fixed = kBytesPerPage * (vertices / 1024 + 1) + perVertex * baseVertices;
   if (copy <= fixed) return 0;

@@ -3,6 +3,8 @@
 
 #include "client/core/pose_reporter.h"
 
+#include "protocol/messages.h"
+
 #include "shared/core/ids.h"
 #include "shared/mesh/triangle_mesh.h"
 #include "shared/progressive/active_mesh.h"
@@ -17,11 +19,8 @@ namespace limn {
 
 /// How many splits of a model fit into `bytes` of a client's memory: the mesh that is decoded into,
 /// the snapshot that is drawn, and the next one while it is made. 0: not even a useful beginning.
-[[nodiscard]] std::uint32_t splitsThatFit(
-    std::uint64_t bytes,
-    std::uint32_t baseVertices,
-    std::uint32_t vertices,
-    std::uint8_t attributeKinds);
+/// model: levelBegin, vertices, attributes and placement count.
+[[nodiscard]] std::uint32_t splitsThatFit(std::uint64_t bytes, const protocol::ModelInfo& model);
 
 /// Which splits a client needs least. A client knows no error bounds; it judges by what it draws: a
 /// vertex is *used* by a view when it is in the frame and a silhouette passes its faces, or nearly

@@ -213,8 +213,7 @@ void SessionMachine::handle(
   }
   if (options_.memoryBytes > 0) {
     const std::uint64_t share = options_.memoryBytes / streams_.size();
-    stream.maxSplits =
-        splitsThatFit(share, message.levelBegin[1], message.vertices, message.attributes);
+    stream.maxSplits = splitsThatFit(share, message);
     if (stream.maxSplits == 0) {
       return failWith(
           {ErrorCode::kLimitExceeded,

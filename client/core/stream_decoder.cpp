@@ -53,7 +53,7 @@ Result<void> checkOnGrid(const TriangleMesh& mesh, int bits) {
 }  // namespace
 
 Result<void> StreamDecoder::beginModel(const protocol::ModelInfo& info) {
-  auto splitModel = parseSplitModel(info.splitModel);
+  auto splitModel = parseSplitModel(info.splitModel, static_cast<Placement>(info.placement));
   if (!splitModel) return tl::unexpected(splitModel.error().within("split coder of the model"));
   const bool same = model_ && model_->asset == info.asset && levelBegin_ == info.levelBegin;
   if (!same) drop();

@@ -33,7 +33,6 @@ struct Arguments {
   std::string store;
   std::string name;
   std::string viewpoints = "8x5";
-  std::string placement = "subset";
   bool confined = false;
   std::string dumpMesh;
   bool json = false;
@@ -160,12 +159,16 @@ int run(int argc, char** argv) {
          "Which edges collapse first: volume, quadric, memoryless")
       ->transform(CLI::CheckedTransformer(costs))
       ->default_str("memoryless");
+  const std::map<std::string, Placement> placements = {
+      {"subset", Placement::kSubset},
+      {"volume", Placement::kVolume}};
   app.add_option(
          "--placement",
-         arguments.placement,
-         "Where the survivor of a collapse stands: subset")
-      ->check(CLI::IsMember({"subset", "volume"}))
-      ->capture_default_str();
+         arguments.options.forest.placement,
+         "Where the survivor of a collapse stands: subset (where it stood), volume (where the "
+         "volume stays the same: closer at as many faces, more bytes)")
+      ->transform(CLI::CheckedTransformer(placements))
+      ->default_str("subset");
   app.add_option(
          "--crease-angle",
          arguments.options.forest.creaseAngleDegrees,
@@ -206,12 +209,6 @@ int run(int argc, char** argv) {
   }
   if (!parseViewpoints(arguments.viewpoints, arguments.options)) {
     return usageError("--viewpoints takes AZIMUTHSxELEVATIONS, 1 to 64 each, such as 8x5");
-  }
-  if (arguments.placement != "subset") {
-    return usageError(
-        "--placement volume is not offered: survivors that move are sent twice, which costs as "
-        "much "
-        "as 30 % more faces; leave it out, and take --cost volume for the smaller distances");
   }
   if (!arguments.dumpMesh.empty() && arguments.inputs.size() != 1) {
     return usageError("--dump-mesh needs a single input");

@@ -25,10 +25,14 @@ double per(double part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : part / static_cast<double>(whole);
 }
 
+const char* placementName(const Model& model) {
+  return model.forest().placement() == Placement::kVolume ? "volume" : "subset";
+}
+
 std::string levelLine(const char* name, const LevelBytes& level, std::uint64_t splits) {
   const SplitBits& bits = level.bits;
   return formatted(
-      "%-6s %9u %9u %10llu %8.2f %8.2f %8.2f %8.2f %9.2f %10.2f\n",
+      "%-6s %9u %9u %10llu %8.2f %8.2f %8.2f %8.2f %9.2f %8.2f %10.2f\n",
       name,
       level.vertices,
       level.faces,
@@ -38,6 +42,7 @@ std::string levelLine(const char* name, const LevelBytes& level, std::uint64_t s
       per(bits.cuts, splits),
       per(bits.features, splits),
       per(bits.positions, splits),
+      per(bits.moves, splits),
       per(level.attributes.total(), splits));
 }
 
@@ -66,12 +71,13 @@ curveOf(const char* label, const std::vector<RatePoint>& points, double RatePoin
 std::string byteTable(const Model& model, const ByteAccount& account) {
   const protocol::ModelInfo& info = model.info();
   std::string text = formatted(
-      "asset %s\n%u vertices, %u faces, %d bits, %u levels\n\n",
+      "asset %s\n%u vertices, %u faces, %d bits, %u levels, %s placement\n\n",
       toHex(model.id()).c_str(),
       info.vertices,
       info.faces,
       info.gridBits,
-      model.forest().levelCount());
+      model.forest().levelCount(),
+      placementName(model));
 
   std::uint64_t wire = 0;
   for (const SectionBytes& section : account.sections)
@@ -108,7 +114,7 @@ std::string byteTable(const Model& model, const ByteAccount& account) {
   text += "                                       bits a split, of which\n";
   text +=
       "level   vertices     faces      bytes      all    names     cuts features positions "
-      "attributes\n";
+      "   moves attributes\n";
   LevelBytes all;
   std::uint64_t splits = 0;
   for (std::size_t i = 0; i < account.levels.size(); ++i) {
@@ -154,6 +160,7 @@ inspectJson(const Model& model, const ByteAccount& account, const RateDistortion
   json["vertices"] = model.info().vertices;
   json["faces"] = model.info().faces;
   json["quantization_bits"] = model.info().gridBits;
+  json["placement"] = placementName(model);
   json["split_model_bytes"] = account.splitModelBytes;
   json["base_feature_bytes"] = account.baseFeatureBytes;
   json["sections"] = Json::array();
@@ -174,6 +181,7 @@ inspectJson(const Model& model, const ByteAccount& account, const RateDistortion
            {"cuts", level.bits.cuts},
            {"features", level.bits.features},
            {"positions", level.bits.positions},
+           {"moves", level.bits.moves},
            {"colors", level.attributes.colors},
            {"normals", level.attributes.normals},
            {"seams", level.attributes.seams}}}});

@@ -72,7 +72,8 @@ WireSections encodeWireSections(
           .splitModel = modelBytes,
           .hull = identity.hull,
           .maps = identity.maps,
-          .attributes = forest.attributeKinds()}));
+          .attributes = forest.attributeKinds(),
+          .placement = static_cast<std::uint8_t>(forest.placement())}));
 
   const std::vector<std::uint8_t> features = protocol::packBaseFeatures(forest.baseFeatures);
   const auto base =

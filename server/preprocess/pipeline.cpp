@@ -59,6 +59,8 @@ std::string describe(const PrepareOptions& options) {
   json["quantization"] = options.repair.quantizationBits;
   json["base_faces"] = options.forest.baseFaces;
   json["cost"] = static_cast<int>(options.forest.cost);
+  if (options.forest.placement != Placement::kSubset)
+    json["placement"] = static_cast<int>(options.forest.placement);
   json["crease_angle"] = options.forest.creaseAngleDegrees;
   json["hull_faces"] = options.hullFaces;
   json["viewpoints"] = {options.seedAzimuths, options.seedElevations};
@@ -154,6 +156,7 @@ Json makeReport(
     json["base"]["note"] = whyBaseIsLarger(baseFaces, options.forest.baseFaces, topology);
   }
   json["quantization_bits"] = options.repair.quantizationBits;
+  json["placement"] = forest.placement() == Placement::kVolume ? "volume" : "subset";
   json["levels"] = Json::array();
   for (std::size_t level = 0; level < built.levels.size(); ++level) {
     json["levels"].push_back(

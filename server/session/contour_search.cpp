@@ -82,11 +82,7 @@ ContourView contourViewOf(const protocol::Pose& pose, const Grid& grid) {
 
 ActiveMesh meshOf(const SplitForest& forest, std::span<const std::uint64_t> held) {
   const std::uint32_t base = forest.baseVertexCount();
-  TriangleMesh start;
-  start.grid = forest.grid;
-  start.positions.assign(forest.positions.begin(), forest.positions.begin() + base);
-  start.triangles = forest.baseTriangles;
-  auto mesh = ActiveMesh::fromBase(forest.levelBegin, start, forest.baseFeatures);
+  auto mesh = ActiveMesh::fromBase(forest.levelBegin, forest.baseMesh(), forest.baseFeatures);
   LIMN_ASSERT(mesh);
   for (std::size_t word = base / 64; word < held.size(); ++word) {
     for (std::uint64_t bits = held[word]; bits != 0; bits &= bits - 1) {
@@ -249,9 +245,7 @@ bool ContourSearch::findClosure(VertexId v, std::span<const std::uint64_t> held,
     const VertexId w = open_.back();
     open_.pop_back();
     closure_.push_back(w);
-    want(forest_.parent(w));
-    for (const VertexId x : forest_.ring(w))
-      want(x);
+    forest_.forEachPrerequisite(w, want);
     if (closure_.size() + open_.size() > most) return false;
   }
   return true;
@@ -328,9 +322,7 @@ bool ContourSearch::pruneRound(double part) {
   ++stamp_;
   for (const VertexId v : client_.ids()) {
     if (v < base) continue;
-    stamps_[forest_.parent(v)] = stamp_;
-    for (const VertexId w : forest_.ring(v))
-      stamps_[w] = stamp_;
+    forest_.forEachPrerequisite(v, [this](VertexId w) { stamps_[w] = stamp_; });
   }
   const HalfEdgeMesh& mesh = client_.mesh();
   const auto carry = [&](std::uint32_t slot, float length) {

@@ -7,19 +7,14 @@ namespace limn {
 
 Dependents::Dependents(const SplitForest& forest) : begin_(forest.vertexCount() + 1U, 0) {
   const std::uint32_t base = forest.baseVertexCount();
-  const auto forEachPrerequisite = [&](VertexId v, const auto& visit) {
-    visit(forest.parent(v));
-    for (const VertexId w : forest.ring(v))
-      visit(w);
-  };
   for (VertexId v = base; v < forest.vertexCount(); ++v)
-    forEachPrerequisite(v, [&](VertexId w) { ++begin_[w + 1]; });
+    forest.forEachPrerequisite(v, [&](VertexId w) { ++begin_[w + 1]; });
   for (std::size_t i = 1; i < begin_.size(); ++i)
     begin_[i] += begin_[i - 1];
   splits_.resize(begin_.back());
   std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
   for (VertexId v = base; v < forest.vertexCount(); ++v)
-    forEachPrerequisite(v, [&](VertexId w) { splits_[next[w]++] = v; });
+    forest.forEachPrerequisite(v, [&](VertexId w) { splits_[next[w]++] = v; });
 }
 
 std::vector<VertexId> Dependents::neededOf(const HaveSet& have, std::span<const VertexId> ids)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/exact_set.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace limn {
@@ -48,8 +47,7 @@ TargetSet selectExact(const FullMesh& full, const View& view) {
   const auto triangles = full.mesh().triangles();
   for (std::size_t f = 0; f < triangles.size(); ++f) {
     if (needed[f] == 0) continue;
-    const VertexId finest = std::max({triangles[f].x, triangles[f].y, triangles[f].z});
-    if (finest >= base) classes[finest - base] = 0;
+    forest.forEachSplitOfFace(triangles[f], [&](VertexId v) { classes[v - base] = 0; });
   }
   return targetSetOf(forest, closeOverPrerequisites(forest, std::move(classes)), 1);
 }

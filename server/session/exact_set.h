@@ -16,8 +16,8 @@ namespace limn {
 /// byte a face. Cost: O(faces), brute force: about 5 ns each.
 [[nodiscard]] std::vector<std::uint8_t> facesOfExact(const FullMesh& full, const View& view);
 
-/// The splits that make those faces present, closed, as a set of one class: coarse first. A face of
-/// the full mesh is present when the finest of its corners is.
+/// The splits that make those faces present as they are, closed, as a set of one class: coarse
+/// first.
 [[nodiscard]] TargetSet selectExact(const FullMesh& full, const View& view);
 
 }  // namespace limn

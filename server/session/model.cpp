@@ -129,7 +129,8 @@ Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> as
   auto forest = parseForest(*bytes);
   if (!forest) return tl::unexpected(forest.error().within(where));
   model->forest_ = std::move(*forest);
-  auto splitModel = parseSplitModel(model->info().splitModel);
+  const auto placement = static_cast<Placement>(model->info().placement);
+  auto splitModel = parseSplitModel(model->info().splitModel, placement);
   if (!splitModel) return tl::unexpected(splitModel.error().within(where));
   model->splitModel_ = std::move(*splitModel);
   model->smoothCones_ = smoothConesOf(model->forest_);
@@ -137,7 +138,8 @@ Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> as
   const protocol::ModelInfo& says = model->info();
   if (says.levelBegin != model->forest_.levelBegin ||
       says.attributes != model->forest_.attributeKinds() ||
-      says.blockLevels != model->blocks_.size() || says.asset != model->asset_->id()) {
+      placement != model->forest_.placement() || says.blockLevels != model->blocks_.size() ||
+      says.asset != model->asset_->id()) {
     return corrupt("its sections do not belong together");
   }
   for (std::size_t i = 0; i < model->blocks_.size(); ++i) {
@@ -211,7 +213,7 @@ std::size_t Model::bytes() const {
       (f.parents.capacity() + f.ringBegin.capacity() + f.rings.capacity()) * sizeof(VertexId) +
       f.cuts.capacity() * sizeof(RingCut) + f.features.capacity() + f.seams.capacity() +
       f.attributes.colors.capacity() * sizeof(SrgbColor) +
-      f.attributes.normals.capacity() * sizeof(OctNormal) +
+      f.attributes.normals.capacity() * sizeof(OctNormal) + f.moves.bytes() +
       f.bounds.capacity() * sizeof(SplitBounds) + smoothCones_.capacity() * sizeof(SplitCone);
   const std::lock_guard lock(mutex_);
   return sizeof(*this) + forest + (full_ ? full_->bytes() : 0) +

@@ -92,9 +92,7 @@ randomSplits(const SplitForest& forest, const HaveSet& have, std::size_t maxSpli
       const VertexId v = open.back();
       open.pop_back();
       if (have.holds(v) || !chosen.insert(v).second) continue;
-      open.push_back(forest.parent(v));
-      for (const VertexId w : forest.ring(v))
-        open.push_back(w);
+      forest.forEachPrerequisite(v, [&](VertexId w) { open.push_back(w); });
     }
   }
   return {chosen.begin(), chosen.end()};

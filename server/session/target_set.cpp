@@ -132,10 +132,9 @@ std::vector<std::uint8_t> closeOverPrerequisites(
   for (std::size_t s = classes.size(); s-- > 0;) {
     const std::uint8_t mine = classes[s];
     if (mine == kNotNeeded) continue;
-    lower(forest.parents[s], mine);
-    for (std::uint32_t i = forest.ringBegin[s]; i < forest.ringBegin[s + 1]; ++i) {
-      lower(forest.rings[i], mine);
-    }
+    forest.forEachPrerequisite(base + static_cast<VertexId>(s), [&](VertexId v) {
+      lower(v, mine);
+    });
   }
   return classes;
 }
@@ -166,7 +165,9 @@ bool isClosed(const SplitForest& forest, std::span<const std::uint64_t> have) {
   const auto holds = [&](VertexId v) { return (have[v / 64] >> (v % 64) & 1) != 0; };
   for (VertexId v = forest.baseVertexCount(); v < forest.vertexCount(); ++v) {
     if (!holds(v)) continue;
-    if (!holds(forest.parent(v)) || !std::ranges::all_of(forest.ring(v), holds)) return false;
+    bool whole = true;
+    forest.forEachPrerequisite(v, [&](VertexId w) { whole = whole && holds(w); });
+    if (!whole) return false;
   }
   return true;
 }

@@ -14,17 +14,10 @@ using split_syntax::Neighbourhood;
 
 Neighbours neighboursOf(const SplitForest& forest, VertexId v) {
   const std::span<const VertexId> ring = forest.ring(v);
-  Neighbourhood n;
-  n.parent = forest.positions[forest.parent(v)];
-  n.size = static_cast<std::uint32_t>(std::min<std::size_t>(ring.size(), split_syntax::kMaxRing));
-  for (std::uint32_t i = 0; i < n.size; ++i)
-    n.ring[i] = forest.positions[ring[i]] - n.parent;
-  const std::uint32_t s = v - forest.baseVertexCount();
-  n.isPath = (forest.features[s] & kSplitParentOnBorder) != 0;
   return attribute_syntax::neighboursOf(
-      n,
-      forest.cuts[s],
-      forest.positions[v],
+      split_syntax::neighbourhoodOf(forest, v),
+      forest.cuts[v - forest.baseVertexCount()],
+      forest.positionIn(v + 1, v),
       forest.attributes.at(forest.parent(v)),
       [&](std::uint32_t i) { return forest.attributes.at(ring[i]); });
 }

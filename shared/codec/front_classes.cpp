@@ -39,7 +39,15 @@ Result<std::vector<std::uint8_t>> frontClasses(const ActiveMesh& mesh, std::uint
   const auto begin = mesh.levelBegin();
   const VertexId count = begin[level];
   const auto ids = mesh.ids();
-  const auto positions = mesh.positions();
+  auto positions = mesh.positions();
+  std::vector<glm::ivec3> standing;  // where they stand at this level, if they move
+  if (mesh.hasMoves()) {
+    standing.assign(positions.begin(), positions.end());
+    for (Slot slot = 0; slot < standing.size(); ++slot) {
+      if (ids[slot] < count) standing[slot] = mesh.positionIn(count, slot);
+    }
+    positions = standing;
+  }
   // By slot: where a vertex of this level or finer came from. Putting those back leaves the faces
   // of the mesh before this level, and degenerate ones.
   std::vector<Slot> origins(ids.size());
@@ -102,11 +110,7 @@ Result<std::vector<std::uint8_t>> frontClasses(const ActiveMesh& mesh, std::uint
 }
 
 LevelFronts frontsOf(const SplitForest& forest) {
-  TriangleMesh base{forest.grid, {}, forest.baseTriangles};
-  base.positions.assign(
-      forest.positions.begin(),
-      forest.positions.begin() + forest.baseVertexCount());
-  auto mesh = ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
+  auto mesh = ActiveMesh::fromBase(forest.levelBegin, forest.baseMesh(), forest.baseFeatures);
   LIMN_ASSERT(mesh);
   LevelFronts fronts(1);
   for (std::uint32_t level = 1; level < forest.levelCount(); ++level) {

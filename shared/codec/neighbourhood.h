@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "shared/progressive/vertex_split.h"
+#include "shared/progressive/split_forest.h"
 
 #include <glm/glm.hpp>
 
@@ -30,6 +30,21 @@ struct Neighbourhood {
   /// Ring edges: pairs of vertices i and wrap(i + 1) that are joined.
   [[nodiscard]] std::uint32_t edges() const { return isPath ? size - 1 : size; }
 };
+
+/// What a forest knows of split v, all as it stands before v's level.
+inline Neighbourhood neighbourhoodOf(const SplitForest& forest, VertexId v) {
+  Neighbourhood n;
+  const auto ring = forest.ring(v);
+  const VertexId end = forest.placement() == Placement::kSubset
+                           ? forest.vertexCount()
+                           : forest.levelBegin[forest.levelOf(v)];
+  n.parent = forest.positionIn(end, forest.parent(v));
+  n.size = static_cast<std::uint32_t>(std::min<std::size_t>(ring.size(), kMaxRing));
+  for (std::uint32_t i = 0; i < n.size; ++i)
+    n.ring[i] = forest.positionIn(end, ring[i]) - n.parent;
+  n.isPath = (forest.features[v - forest.baseVertexCount()] & kSplitParentOnBorder) != 0;
+  return n;
+}
 
 /// The vertices first, wrap(first + 1), … of the ring that a cut gives to the new vertex.
 struct Fan {

@@ -115,12 +115,88 @@ inline Prediction predict(const Neighbourhood& n, const Fan& fan) {
   return p;
 }
 
+/// `start`, and the terms as they weigh, in whole units. The former in 16ths, as they are.
+template <std::size_t N>
+Wide weighed(
+    const Wide& start,
+    const std::array<Wide, N>& terms,
+    const std::array<std::int16_t, N>& weights) {
+  Wide sum = std::int64_t{256} * start;
+  for (std::size_t t = 0; t < N; ++t)
+    sum += std::int64_t{weights[t]} * terms[t];
+  return scaled(sum, 1, 12);
+}
+
 /// Predicted offset of v from u.
 inline Wide predictedOffset(const Prediction& p, const Weights& weights) {
-  Wide sum = std::int64_t{256} * p.fan;
-  for (std::size_t t = 0; t < kTerms; ++t)
-    sum += std::int64_t{weights[p.weightClass][t]} * p.terms[t];
-  return scaled(sum, 1, 12);
+  return weighed(p.fan, p.terms, weights[p.weightClass]);
+}
+
+// ---- Where the parent goes, when a split moves it
+// ------------------------------------------------
+
+/// Terms of its displacement, and their weights in 256ths by length of the fan.
+inline constexpr std::uint32_t kMoveTerms = kTerms + 4;
+using MoveWeights = std::array<std::array<std::int16_t, kMoveTerms>, kWeightClasses>;
+
+struct MovePrediction {
+  /// In 16ths: those of the vertex's prediction, the mean of the fan, what the vertex is off the
+  /// parent, the part of that along the fan's normal, and the way to the plane along the ring's.
+  std::array<Wide, kMoveTerms> terms{};
+  /// The plane area · x = −swept that x, the displacement, is in or near when the split and its
+  /// collapse enclose the same volume; zero: unknown. 15 bits.
+  Wide area{0};
+  std::int64_t swept = 0;
+  std::uint32_t distanceClass = 0;  // of the way to the plane: twice the logarithm, 0 below 1/2
+};
+
+/// n: a cycle. position: the new vertex's, on the grid.
+inline MovePrediction predictMove(
+    const Neighbourhood& n,
+    const Fan& fan,
+    const Prediction& p,
+    const glm::ivec3& position) {
+  constexpr std::int64_t kFine = 16;
+  constexpr std::int64_t kFarthest = std::int64_t{1} << 26;
+  MovePrediction move;
+  const Wide off(position - n.parent);
+  std::copy(p.terms.begin(), p.terms.end(), move.terms.begin());
+  move.terms[kTerms] = p.fan;
+  move.terms[kTerms + 1] = kFine * off;
+  move.terms[kTerms + 2] = partAlong(kFine * off, p.normal, dot(p.normal, p.normal));
+
+  // Of the tetrahedra over the edges of the ring, those of the fan have the new vertex for a tip
+  // instead of the parent, and those of the rest the parent where it goes. So do those over the two
+  // edges from the new vertex to the ends of the fan.
+  Wide fanArea(0);
+  Wide ringArea(0);
+  const Wide first(n.ring[fan.first]);
+  const Wide last(n.ring[n.wrap(fan.first + fan.count - 1)]);
+  for (std::uint32_t k = 0; k < n.size; ++k) {
+    const std::uint32_t i = n.wrap(fan.first + k);
+    const Wide area = cross(Wide(n.ring[i]), Wide(n.ring[n.wrap(i + 1)]));
+    ringArea += area;
+    if (k + 1 < fan.count) fanArea += area;
+  }
+  move.area = ringArea - fanArea + cross(first, off) + cross(off, last);
+  const int excess =
+      excessBits(std::max({maxNorm(fanArea), maxNorm(ringArea), maxNorm(move.area)}), 15);
+  move.area = shifted(move.area, excess);
+  move.swept = dot(shifted(fanArea, excess), off);
+  ringArea = shifted(ringArea, excess);
+  const std::int64_t along = dot(move.area, ringArea);
+  if (along > 0) {
+    Wide& way = move.terms[kTerms + 3];
+    for (int axis = 0; axis < 3; ++axis) {
+      way[axis] = std::clamp(
+          roundedQuotient(-kFine * move.swept * ringArea[axis], along),
+          -kFarthest,
+          kFarthest);
+    }
+    const std::int32_t distance = log8(static_cast<std::uint64_t>(maxNorm(way)));
+    move.distanceClass = static_cast<std::uint32_t>(std::max(distance - 24, 0)) / 4;
+  }
+  return move;
 }
 
 }  // namespace limn::split_syntax

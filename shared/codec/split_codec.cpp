@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A run of splits: varint 2·count + (1: a level run), (level run: varint first id), then one rANS
-// stream with, split by split, name, cut, features, position (split_syntax.h).
+// stream with, split by split, name, cut, features, position, move (split_syntax.h).
 #include "shared/codec/split_codec.h"
 
 #include "shared/codec/bin_coder.h"
@@ -21,7 +21,6 @@ using split_syntax::kContexts;
 using split_syntax::kMaxRing;
 using split_syntax::NameState;
 using split_syntax::Neighbourhood;
-using split_syntax::Weights;
 
 constexpr std::uint32_t kMaxRunSplits = 1U << 20;
 
@@ -29,42 +28,65 @@ tl::unexpected<Error> damaged(const char* what) {
   return fail(ErrorCode::kCorrupt, std::string("splits are damaged: ") + what);
 }
 
-Neighbourhood neighbourhoodOf(const SplitForest& forest, VertexId v) {
-  Neighbourhood n;
-  const auto ring = forest.ring(v);
-  n.parent = forest.positions[forest.parent(v)];
-  n.size = static_cast<std::uint32_t>(std::min<std::size_t>(ring.size(), kMaxRing));
-  for (std::uint32_t i = 0; i < n.size; ++i)
-    n.ring[i] = forest.positions[ring[i]] - n.parent;
-  n.isPath = (forest.features[v - forest.baseVertexCount()] & kSplitParentOnBorder) != 0;
-  return n;
+// A split as it is coded, its name apart.
+struct Shape {
+  RingCut cut;
+  std::uint8_t features = 0;
+  glm::ivec3 position{0};
+  glm::ivec3 parentMove{0};
+};
+
+// What follows a split's name. shape: in and out. Errors: only where the syntax is read.
+template <class Bins>
+Result<void> codeShape(Bins& bins, const Neighbourhood& n, const SplitModel& model, Shape& shape) {
+  if (!split_syntax::codeCut(bins, n, shape.cut)) return damaged("no cut fits");
+  shape.features = split_syntax::codeFeatures(bins, shape.features);
+  const auto fan = split_syntax::fanOf(n, shape.cut);
+  const auto prediction = split_syntax::predict(n, fan);
+  split_syntax::codePosition(bins, n, prediction, model.weights, shape.position);
+  if (!isOnGrid(shape.position)) return damaged("a position off the grid");
+  // Vertices on a border never move.
+  if (model.placement == Placement::kSubset || n.isPath) return {};
+  if constexpr (requires { bins.beginMove(); }) bins.beginMove();
+  split_syntax::codeMove(
+      bins,
+      n,
+      fan,
+      prediction,
+      model.moveWeights,
+      shape.position,
+      shape.parentMove);
+  return {};
 }
 
-// What follows a split's name.
 template <class Bins>
-void encodeShape(Bins& bins, const SplitForest& forest, const Weights& weights, VertexId v) {
+void encodeShape(Bins& bins, const SplitForest& forest, const SplitModel& model, VertexId v) {
   const std::uint32_t s = v - forest.baseVertexCount();
-  const Neighbourhood n = neighbourhoodOf(forest, v);
-  RingCut cut = forest.cuts[s];
-  split_syntax::codeCut(bins, n, cut);
-  split_syntax::codeFeatures(bins, forest.features[s]);
-  glm::ivec3 position = forest.positions[v];
-  const auto prediction = split_syntax::predict(n, split_syntax::fanOf(n, cut));
-  split_syntax::codePosition(bins, n, prediction, weights, position);
+  const VertexSplit split = forest.split(v);
+  constexpr std::uint8_t kEdges =
+      kSplitEdgeUV | kSplitEdgeUL | kSplitEdgeVL | kSplitEdgeUR | kSplitEdgeVR;
+  Shape shape{
+      forest.cuts[s],
+      static_cast<std::uint8_t>(split.features & kEdges),
+      split.position,
+      split.parentMove};
+  const auto coded = codeShape(bins, split_syntax::neighbourhoodOf(forest, v), model, shape);
+  LIMN_ASSERT(coded);
+  static_cast<void>(coded);
 }
 
 template <class Bins>
 void encodeAnyRun(
     Bins& bins,
     const SplitForest& forest,
-    const Weights& weights,
+    const SplitModel& model,
     std::span<const VertexId> ids) {
   NameState names;
   for (const VertexId id : ids) {
     VertexId vertex = id;
     VertexId parent = forest.parent(id);
     split_syntax::codeName(bins, names, forest.levelBegin, vertex, parent);
-    encodeShape(bins, forest, weights, id);
+    encodeShape(bins, forest, model, id);
   }
 }
 
@@ -78,14 +100,14 @@ template <class Bins>
 void encodeLevelRun(
     Bins& bins,
     const SplitForest& forest,
-    const Weights& weights,
+    const SplitModel& model,
     std::span<const std::uint8_t> front,
     VertexId begin,
     VertexId end) {
   VertexId next = firstParent(forest, begin);
   for (VertexId v = begin; v < end; ++v) {
     next = split_syntax::codeParent(bins, front, next, forest.parent(v)) + 1;
-    encodeShape(bins, forest, weights, v);
+    encodeShape(bins, forest, model, v);
   }
 }
 
@@ -97,7 +119,12 @@ class BitMeter {
   bool code(std::uint32_t context, bool bit) {
     AdaptiveBit& state = states_[context];
     const std::uint32_t zero = state.zero();
-    kind_ = kindOf(context);
+    if (context < split_syntax::kResidual) {
+      kind_ = kindOf(context);
+      ofResiduals_ = &SplitBits::positions;
+    } else {
+      kind_ = ofResiduals_;
+    }
     bits_.*kind_ -= std::log2((bit ? 4096 - zero : zero) / 4096.0);
     state.update(bit);
     return bit;
@@ -109,18 +136,22 @@ class BitMeter {
     return value;
   }
 
+  /// What residuals follow are of the parent's move.
+  void beginMove() { ofResiduals_ = &SplitBits::moves; }
+
   [[nodiscard]] const SplitBits& bits() const { return bits_; }
 
  private:
   static double SplitBits::*kindOf(std::uint32_t context) {
     if (context < split_syntax::kOpenSide) return &SplitBits::names;
     if (context < split_syntax::kFeatures) return &SplitBits::cuts;
-    return context < split_syntax::kResidual ? &SplitBits::features : &SplitBits::positions;
+    return &SplitBits::features;
   }
 
   std::vector<AdaptiveBit> states_;
   SplitBits bits_;
   double SplitBits::*kind_ = &SplitBits::names;
+  double SplitBits::*ofResiduals_ = &SplitBits::positions;
 };
 
 // Solves A x = b for a symmetric positive definite A, in place (Cholesky).
@@ -147,51 +178,79 @@ std::array<double, N> solve(std::array<std::array<double, N>, N>& a, std::array<
   return x;
 }
 
-// Least squares over all splits of one fan length: which mix of the terms comes closest.
-Weights fitWeights(const SplitForest& forest) {
-  constexpr std::size_t kTerms = split_syntax::kTerms;
-
-  struct Normal {
-    std::array<std::array<double, kTerms>, kTerms> matrix{};
-    std::array<double, kTerms> right{};
-  };
-
-  std::array<Normal, split_syntax::kWeightClasses> systems;
-  for (VertexId v = forest.baseVertexCount(); v < forest.vertexCount(); ++v) {
-    const Neighbourhood n = neighbourhoodOf(forest, v);
-    const auto fan = split_syntax::fanOf(n, forest.cuts[v - forest.baseVertexCount()]);
-    const auto p = split_syntax::predict(n, fan);
+// Least squares over all splits of one fan length: which mix of N terms comes closest.
+template <std::size_t N>
+class WeightFit {
+ public:
+  /// wanted: offset, in grid units; start, terms: in 16ths.
+  void add(
+      const split_syntax::Prediction& p,
+      const glm::ivec3& wanted,
+      const split_syntax::Wide& start,
+      const std::array<split_syntax::Wide, N>& terms) {
     // So that large and small splits count alike.
     const double scale = std::exp2(-p.reach8 / 8.0) / 16.0;
-    Normal& system = systems[p.weightClass];
+    Normal& system = systems_[p.weightClass];
     for (int axis = 0; axis < 3; ++axis) {
-      const double wanted = 16.0 * (forest.positions[v][axis] - n.parent[axis]);
-      const double missing = (wanted - static_cast<double>(p.fan[axis])) * scale;
-      std::array<double, kTerms> row;
-      for (std::size_t t = 0; t < kTerms; ++t)
-        row[t] = static_cast<double>(p.terms[t][axis]) * scale;
-      for (std::size_t i = 0; i < kTerms; ++i) {
+      const double missing = (16.0 * wanted[axis] - static_cast<double>(start[axis])) * scale;
+      std::array<double, N> row;
+      for (std::size_t t = 0; t < N; ++t)
+        row[t] = static_cast<double>(terms[t][axis]) * scale;
+      for (std::size_t i = 0; i < N; ++i) {
         for (std::size_t j = 0; j <= i; ++j)
           system.matrix[i][j] += row[i] * row[j];
         system.right[i] += row[i] * missing;
       }
     }
   }
-  Weights weights{};
-  for (std::size_t c = 0; c < systems.size(); ++c) {
-    double trace = 0.0;
-    for (std::size_t i = 0; i < kTerms; ++i)
-      trace += systems[c].matrix[i][i];
-    if (trace <= 0.0) continue;
-    for (std::size_t i = 0; i < kTerms; ++i)
-      systems[c].matrix[i][i] += 1e-5 * trace;  // keeps it regular
-    const auto solution = solve(systems[c].matrix, systems[c].right);
-    for (std::size_t i = 0; i < kTerms; ++i) {
-      weights[c][i] =
-          static_cast<std::int16_t>(std::clamp(std::lround(256.0 * solution[i]), -2048L, 2047L));
+
+  /// By fan length; of use once.
+  std::array<std::array<std::int16_t, N>, split_syntax::kWeightClasses> weights() {
+    std::array<std::array<std::int16_t, N>, split_syntax::kWeightClasses> weights{};
+    for (std::size_t c = 0; c < systems_.size(); ++c) {
+      double trace = 0.0;
+      for (std::size_t i = 0; i < N; ++i)
+        trace += systems_[c].matrix[i][i];
+      if (trace <= 0.0) continue;
+      for (std::size_t i = 0; i < N; ++i)
+        systems_[c].matrix[i][i] += 1e-5 * trace;  // keeps it regular
+      const auto solution = solve(systems_[c].matrix, systems_[c].right);
+      for (std::size_t i = 0; i < N; ++i) {
+        weights[c][i] =
+            static_cast<std::int16_t>(std::clamp(std::lround(256.0 * solution[i]), -2048L, 2047L));
+      }
     }
+    return weights;
   }
-  return weights;
+
+ private:
+  struct Normal {
+    std::array<std::array<double, N>, N> matrix{};
+    std::array<double, N> right{};
+  };
+
+  std::array<Normal, split_syntax::kWeightClasses> systems_;
+};
+
+// The weights that fit a forest; nothing else differs from the universal model.
+SplitModel fittedModel(const SplitForest& forest) {
+  SplitModel model = defaultSplitModel();
+  model.placement = forest.placement();
+  WeightFit<split_syntax::kTerms> positions;
+  WeightFit<split_syntax::kMoveTerms> moves;
+  for (VertexId v = forest.baseVertexCount(); v < forest.vertexCount(); ++v) {
+    const VertexSplit split = forest.split(v);
+    const Neighbourhood n = split_syntax::neighbourhoodOf(forest, v);
+    const auto fan = split_syntax::fanOf(n, forest.cuts[v - forest.baseVertexCount()]);
+    const auto p = split_syntax::predict(n, fan);
+    positions.add(p, split.position - n.parent, p.fan, p.terms);
+    if (split.parentMove == glm::ivec3(0)) continue;
+    const auto move = split_syntax::predictMove(n, fan, p, split.position);
+    moves.add(p, split.parentMove, split_syntax::Wide(0), move.terms);
+  }
+  model.weights = positions.weights();
+  if (model.placement == Placement::kVolume) model.moveWeights = moves.weights();
+  return model;
 }
 
 // What a view from `toEye` would ask for: splits whose normals can be seen edge-on, and their
@@ -205,9 +264,7 @@ std::vector<VertexId> splitsOfView(const SplitForest& forest, const glm::vec3& t
     const float coneSine = std::sqrt(std::max(0.0F, 1.0F - bounds.coneCos * bounds.coneCos));
     if (bounds.coneCos <= 0.0F || sine <= coneSine) wanted[v] = true;
     if (!wanted[v]) continue;
-    wanted[forest.parent(v)] = true;
-    for (const VertexId w : forest.ring(v))
-      wanted[w] = true;
+    forest.forEachPrerequisite(v, [&](VertexId w) { wanted[w] = true; });
   }
   std::vector<VertexId> ids;
   for (VertexId v = base; v < forest.vertexCount(); ++v) {
@@ -217,19 +274,20 @@ std::vector<VertexId> splitsOfView(const SplitForest& forest, const glm::vec3& t
 }
 
 // Zeros and ones of each context over all levels and two views.
-BinCounter countBits(const SplitForest& forest, const LevelFronts& fronts, const Weights& weights) {
+BinCounter
+countBits(const SplitForest& forest, const LevelFronts& fronts, const SplitModel& model) {
   BinCounter counter(kContexts);
   for (std::uint32_t level = 1; level < forest.levelCount(); ++level) {
     encodeLevelRun(
         counter,
         forest,
-        weights,
+        model,
         fronts[level],
         forest.levelBegin[level],
         forest.levelBegin[level + 1]);
   }
   for (const glm::vec3& toEye : {glm::vec3(0, 0, 1), glm::vec3(0.8F, 0.6F, 0)}) {
-    encodeAnyRun(counter, forest, weights, splitsOfView(forest, toEye));
+    encodeAnyRun(counter, forest, model, splitsOfView(forest, toEye));
   }
   return counter;
 }
@@ -258,11 +316,40 @@ std::int64_t unzigzag(std::uint32_t value) {
 
 constexpr std::int64_t kMaxWeight = 4096;
 
+template <std::size_t N>
+void appendWeights(
+    const std::array<std::array<std::int16_t, N>, split_syntax::kWeightClasses>& weights,
+    const std::array<std::array<std::int16_t, N>, split_syntax::kWeightClasses>& usual,
+    std::vector<std::uint8_t>& bytes) {
+  for (std::size_t c = 0; c < weights.size(); ++c) {
+    for (std::size_t t = 0; t < N; ++t)
+      appendVarint(zigzag(weights[c][t] - usual[c][t]), bytes);
+  }
+}
+
+// weights: the universal ones, changed by what is read. False: damaged.
+template <std::size_t N>
+bool readWeights(
+    VarintReader& in,
+    std::array<std::array<std::int16_t, N>, split_syntax::kWeightClasses>& weights) {
+  for (auto& row : weights) {
+    for (std::int16_t& weight : row) {
+      const auto difference = in.read();
+      if (!difference) return false;
+      const std::int64_t value = weight + unzigzag(*difference);
+      if (std::abs(value) > kMaxWeight) return false;
+      weight = static_cast<std::int16_t>(value);
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 const SplitModel& defaultSplitModel() {
   static const SplitModel kModel = [] {
-    SplitModel model{{}, kDefaultWeights};
+    SplitModel model;
+    model.weights = kDefaultWeights;
     model.probabilities.reserve(kContexts);
     for (std::size_t i = 0; i < std::size(kDefaultTable); ++i) {
       // A zero announces a run.
@@ -281,11 +368,10 @@ const SplitModel& defaultSplitModel() {
 }
 
 SplitModel measureSplitModel(const SplitForest& forest, const LevelFronts& fronts) {
-  SplitModel model;
-  model.weights = fitWeights(forest);
-  const BinCounter counter = countBits(forest, fronts, model.weights);
-  for (const auto& counts : counter.counts())
-    model.probabilities.push_back(probabilityOf(counts));
+  SplitModel model = fittedModel(forest);
+  const BinCounter counter = countBits(forest, fronts, model);
+  for (std::uint32_t c = 0; c < kContexts; ++c)
+    model.probabilities[c] = probabilityOf(counter.counts()[c]);
   return model;
 }
 
@@ -294,9 +380,8 @@ SplitModel trainSplitModel(const SplitForest& forest, const LevelFronts& fronts)
   // replaced only where runs lose more until then than it takes to say so.
   constexpr double kBitsToLearn = 48.0;
   constexpr double kLeastGain = 64.0;
-  SplitModel model = defaultSplitModel();
-  model.weights = fitWeights(forest);
-  const BinCounter counter = countBits(forest, fronts, model.weights);
+  SplitModel model = fittedModel(forest);
+  const BinCounter counter = countBits(forest, fronts, model);
   const double runs = forest.levelCount() + forest.splitCount() / kLevelRunSplits;
   for (std::uint32_t c = 0; c < kContexts; ++c) {
     const auto& counts = counter.counts()[c];
@@ -310,37 +395,29 @@ SplitModel trainSplitModel(const SplitForest& forest, const LevelFronts& fronts)
 std::vector<std::uint8_t> serializeSplitModel(const SplitModel& model) {
   const SplitModel& usual = defaultSplitModel();
   std::vector<std::uint8_t> bytes;
-  for (std::size_t c = 0; c < model.weights.size(); ++c) {
-    for (std::size_t t = 0; t < split_syntax::kTerms; ++t)
-      appendVarint(zigzag(model.weights[c][t] - usual.weights[c][t]), bytes);
-  }
+  appendWeights(model.weights, usual.weights, bytes);
   std::vector<std::uint32_t> changed;
-  for (std::uint32_t c = 0; c < kContexts; ++c) {
-    if (model.probabilities[c] != usual.probabilities[c]) changed.push_back(c);
+  for (std::uint32_t i = 0; i < kContexts; ++i) {
+    if (model.probabilities[i] != usual.probabilities[i]) changed.push_back(i);
   }
   appendVarint(changed.size(), bytes);
   std::uint32_t next = 0;
-  for (const std::uint32_t c : changed) {
-    appendVarint(c - next, bytes);
-    bytes.push_back(model.probabilities[c]);
-    next = c + 1;
+  for (const std::uint32_t i : changed) {
+    appendVarint(i - next, bytes);
+    bytes.push_back(model.probabilities[i]);
+    next = i + 1;
   }
+  if (model.placement == Placement::kVolume)
+    appendWeights(model.moveWeights, usual.moveWeights, bytes);
   return bytes;
 }
 
-Result<SplitModel> parseSplitModel(std::span<const std::uint8_t> bytes) {
+Result<SplitModel> parseSplitModel(std::span<const std::uint8_t> bytes, Placement placement) {
   const auto damagedModel = [] { return fail(ErrorCode::kCorrupt, "split model is damaged"); };
   SplitModel model = defaultSplitModel();
+  model.placement = placement;
   VarintReader in(bytes);
-  for (auto& row : model.weights) {
-    for (std::int16_t& weight : row) {
-      const auto difference = in.read();
-      if (!difference) return damagedModel();
-      const std::int64_t value = weight + unzigzag(*difference);
-      if (std::abs(value) > kMaxWeight) return damagedModel();
-      weight = static_cast<std::int16_t>(value);
-    }
-  }
+  if (!readWeights(in, model.weights)) return damagedModel();
   const auto count = in.read();
   if (!count || *count > kContexts) return damagedModel();
   std::uint64_t next = 0;
@@ -355,6 +432,11 @@ Result<SplitModel> parseSplitModel(std::span<const std::uint8_t> bytes) {
     next += *gap + 1;
     bytes = bytes.subspan(1);
   }
+  if (placement == Placement::kVolume) {
+    VarintReader rest(bytes);
+    if (!readWeights(rest, model.moveWeights)) return damagedModel();
+    bytes = rest.rest();
+  }
   if (!bytes.empty()) return damagedModel();
   return model;
 }
@@ -365,7 +447,7 @@ encodeSplits(const SplitForest& forest, const SplitModel& model, std::span<const
   std::vector<std::uint8_t> bytes;
   appendVarint(2 * ids.size(), bytes);
   BinWriter bins(model.probabilities);
-  encodeAnyRun(bins, forest, model.weights, ids);
+  encodeAnyRun(bins, forest, model, ids);
   bins.finish(bytes);
   return bytes;
 }
@@ -375,7 +457,7 @@ void modelSplit(
     const SplitModel& model,
     VertexId v,
     SplitSymbols& symbols) {
-  encodeShape(symbols, forest, model.weights, v);
+  encodeShape(symbols, forest, model, v);
 }
 
 std::vector<std::uint8_t> encodeLevelRun(
@@ -390,7 +472,7 @@ std::vector<std::uint8_t> encodeLevelRun(
   appendVarint(2 * (end - begin) + 1, bytes);
   appendVarint(begin, bytes);
   BinWriter bins(model.probabilities);
-  encodeLevelRun(bins, forest, model.weights, fronts[level], begin, end);
+  encodeLevelRun(bins, forest, model, fronts[level], begin, end);
   bins.finish(bytes);
   return bytes;
 }
@@ -411,7 +493,7 @@ SplitBits measureLevelRun(
     VertexId begin,
     VertexId end) {
   BitMeter meter(model.probabilities);
-  encodeLevelRun(meter, forest, model.weights, fronts[forest.levelOf(begin)], begin, end);
+  encodeLevelRun(meter, forest, model, fronts[forest.levelOf(begin)], begin, end);
   return meter.bits();
 }
 
@@ -486,23 +568,25 @@ Result<void> SplitDecoder::decodeShape(
     VertexSplit& split) {
   const Slot u = mesh.slotOf(split.parent);
   if (u == kNone) return damaged("a parent that is not held");
-  mesh.canonicalRingSlots(u, mesh.levelOf(split.vertex), ring_);
+  const std::uint32_t level = mesh.levelOf(split.vertex);
+  const VertexId end = mesh.levelBegin()[level];
+  mesh.canonicalRingSlots(u, level, ring_);
   if (ring_.size() > kMaxRing || ring_.size() < 2)
     return damaged("a parent with an impossible ring");
   Neighbourhood n;
   n.size = static_cast<std::uint32_t>(ring_.size());
-  n.parent = mesh.positions()[u];
+  n.parent = mesh.positionIn(end, u);
   for (std::uint32_t k = 0; k < n.size; ++k)
-    n.ring[k] = mesh.positions()[ring_[k]] - n.parent;
+    n.ring[k] = mesh.positionIn(end, ring_[k]) - n.parent;
   n.isPath = mesh.mesh().isBorderVertex(u);
-  RingCut cut;
-  if (!split_syntax::codeCut(bins, n, cut)) return damaged("no cut fits");
+  Shape shape;
+  if (auto coded = codeShape(bins, n, model_, shape); !coded) return coded;
+  const RingCut cut = shape.cut;
   split.left = cut.left == RingCut::kNoCut ? kNone : mesh.ids()[ring_[cut.left]];
   split.right = cut.right == RingCut::kNoCut ? kNone : mesh.ids()[ring_[cut.right]];
-  split.features = split_syntax::codeFeatures(bins, 0);
-  const auto prediction = split_syntax::predict(n, split_syntax::fanOf(n, cut));
-  split_syntax::codePosition(bins, n, prediction, model_.weights, split.position);
-  if (!isOnGrid(split.position)) return damaged("a position off the grid");
+  split.features = shape.features;
+  split.position = shape.position;
+  split.parentMove = shape.parentMove;
   attributes.read(mesh, ring_, n, cut, split);
   return {};
 }

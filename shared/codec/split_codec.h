@@ -19,12 +19,14 @@
 namespace limn {
 
 /// What every run of one model starts from: probabilities of the split coder's contexts and weights
-/// of the prediction. Both are universal but for what the model changes where that pays; the
+/// of the predictions. All are universal but for what the model changes where that pays; the
 /// changes are sent once (ModelInfo.split_model). Packets carry no tables and no state: any packet
 /// decodes on any client that holds its prerequisites.
 struct SplitModel {
   std::vector<Probability> probabilities;  // one a context of split_syntax.h
   split_syntax::Weights weights{};         // of the position's prediction
+  Placement placement = Placement::kSubset;
+  split_syntax::MoveWeights moveWeights{};  // of the parent's, with Placement::kVolume
 };
 
 /// The universal model: the mean over some meshes (default_model.h). Cost: none after the first
@@ -38,7 +40,10 @@ struct SplitModel {
 [[nodiscard]] SplitModel trainSplitModel(const SplitForest& forest, const LevelFronts& fronts);
 
 [[nodiscard]] std::vector<std::uint8_t> serializeSplitModel(const SplitModel& model);
-[[nodiscard]] Result<SplitModel> parseSplitModel(std::span<const std::uint8_t> bytes);
+/// placement: the model's. Errors: kCorrupt.
+[[nodiscard]] Result<SplitModel> parseSplitModel(
+    std::span<const std::uint8_t> bytes,
+    Placement placement = Placement::kSubset);
 
 /// Codes splits for a client that holds (or gets in this run, before them) their prerequisites.
 /// ids: sorted, unique, none of the base. Pure; depends on nothing but its arguments, so equal
@@ -82,16 +87,18 @@ struct SplitBits {
   double cuts = 0.0;   // where the parents' rings open
   double features = 0.0;
   double positions = 0.0;
+  double moves = 0.0;  // where the parents go
 
   SplitBits& operator+=(const SplitBits& other) {
     names += other.names;
     cuts += other.cuts;
     features += other.features;
     positions += other.positions;
+    moves += other.moves;
     return *this;
   }
 
-  [[nodiscard]] double total() const { return names + cuts + features + positions; }
+  [[nodiscard]] double total() const { return names + cuts + features + positions + moves; }
 };
 
 /// What encodeLevelRun(forest, model, fronts, begin, end) spends its bytes on: the run has

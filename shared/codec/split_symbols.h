@@ -12,8 +12,8 @@
 
 namespace limn {
 
-/// The symbols of one split, its name apart: what split_syntax.h codes for its cut, features and
-/// position, as numbers in contexts. They depend on nothing but the split.
+/// The symbols of one split, its name apart: what split_syntax.h codes for its cut, features,
+/// position and parent's move, as numbers in contexts. They depend on nothing but the split.
 class SplitSymbols {
  public:
   // An end of the split syntax (bin_coder.h) that keeps what it is given.
@@ -31,6 +31,7 @@ class SplitSymbols {
   template <class Bins>
   static void replay(const std::uint8_t* packed, Bins& bins) {
     std::size_t tokens = *packed & kCountMask;
+    const bool mayMove = (*packed & kMayMove) != 0;
     const bool isWide = (*packed++ & kWide) != 0;
     if (tokens == kCountMask) {
       tokens = static_cast<std::size_t>(packed[0] | packed[1] << 8);
@@ -38,6 +39,16 @@ class SplitSymbols {
     }
     bins.codeTokens(split_syntax::kOpenSide, {packed, tokens});
     packed += tokens;
+    packed = replayResiduals(packed, isWide, bins);
+    if (!mayMove) return;
+    const std::uint8_t moved = *packed++;
+    bins.code(split_syntax::kMoved + (moved >> 1), (moved & 1) != 0);
+    if ((moved & 1) != 0) replayResiduals(packed, isWide, bins);
+  }
+
+ private:
+  template <class Bins>
+  static const std::uint8_t* replayResiduals(const std::uint8_t* packed, bool isWide, Bins& bins) {
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
       std::uint32_t scale = 0;
       std::int32_t residual = 0;
@@ -55,13 +66,16 @@ class SplitSymbols {
       const std::uint32_t context = 2 * scale + (axis == 2 ? 1 : 0);
       bins.codeSigned(split_syntax::kResidual + context * split_syntax::kNumberContexts, residual);
     }
+    return packed;
   }
 
- private:
-  // Packed: a byte with the number of tokens (all ones: two more bytes have it) and whether
-  // residuals are wide; tokens; three residuals with their scales, 2 bytes each, 5 when wide.
+  // Packed: a byte with the number of tokens (all ones: two more bytes have it), whether residuals
+  // are wide and whether the parent may move; tokens; three residuals with their scales, 2 bytes
+  // each, 5 when wide; where the parent may move, a byte like a token of whether it does, and if so
+  // three more residuals.
   static constexpr std::uint8_t kWide = 0x80;
-  static constexpr std::uint8_t kCountMask = 0x7F;
+  static constexpr std::uint8_t kMayMove = 0x40;
+  static constexpr std::uint8_t kCountMask = 0x3F;
   static constexpr int kNarrowBits = 10;
   static constexpr std::int32_t kNarrow = 1 << (kNarrowBits - 1);
   static_assert(split_syntax::kScales <= 1U << (16 - kNarrowBits));
@@ -69,8 +83,10 @@ class SplitSymbols {
 
   std::vector<std::uint8_t> tokens_;  // (context − kOpenSide) << 1 | bit
   std::uint32_t residuals_ = 0;       // how many have come
-  std::uint8_t scales_[3] = {};
-  std::int32_t values_[3] = {};
+  std::uint8_t moved_ = 0;            // (context − kMoved) << 1 | bit
+  bool mayMove_ = false;
+  std::uint8_t scales_[6] = {};
+  std::int32_t values_[6] = {};
 };
 
 /// Packed symbols of a forest's splits, as far as anybody has asked for them. Pages are never

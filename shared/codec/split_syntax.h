@@ -38,7 +38,9 @@ inline constexpr std::uint32_t kOpenLength = kOpenSide + 2;  // by position
 inline constexpr std::uint32_t kCut = kOpenLength + 16;      // by odds
 inline constexpr std::uint32_t kFeatures = kCut + 24;        // any; then the five edges
 inline constexpr std::uint32_t kResidual = kFeatures + 6;    // by scale, axis
-inline constexpr std::uint32_t kContexts = kResidual + kScales * 2 * kNumberContexts;
+inline constexpr std::uint32_t kMoved = kResidual + kScales * 2 * kNumberContexts;
+inline constexpr std::uint32_t kMovedClasses = 16;
+inline constexpr std::uint32_t kContexts = kMoved + kMovedClasses;  // kMoved: by how far
 
 // ---- Numbers -----------------------------------------------------------------------------------
 
@@ -206,6 +208,21 @@ inline std::uint32_t residualContext(std::int32_t scale8, bool across) {
   return kResidual + (2 * scale + (across ? 1 : 0)) * kNumberContexts;
 }
 
+/// How far off a residual along each of three axes may be, as residualContext() has it; the last
+/// axis is the fan normal's longest.
+inline std::array<std::int32_t, 3> scalesOf(const Prediction& p, const int (&axes)[3]) {
+  // How steep the surface is shortens what can be seen of it along an axis.
+  const auto squared = [](std::int64_t a) { return static_cast<std::uint64_t>(a * a); };
+  const std::uint64_t all = squared(p.normal.x) + squared(p.normal.y) + squared(p.normal.z);
+  const std::int32_t whole = log8(all);
+  const std::int32_t first = log8(all - squared(p.normal[axes[0]]));
+  const std::int32_t height = log8(squared(p.normal[axes[2]]));
+  return {
+      p.reach8 + (first - whole) / 2 + 8,
+      p.reach8 + (height - first) / 2 + 8,
+      p.reach8 + (whole - height) / 2 + 8};
+}
+
 /// position: in and out. The two axes along the surface come first; the third is then corrected to
 /// stay in the fan's plane, which takes the place of a rotated frame without leaving the grid.
 template <class Bins>
@@ -217,16 +234,7 @@ void codePosition(
     glm::ivec3& position) {
   const Wide offset = predictedOffset(p, weights);
   const int axes[3] = {(p.normalAxis + 1) % 3, (p.normalAxis + 2) % 3, p.normalAxis};
-  // How steep the surface is shortens what can be seen of it along an axis.
-  const auto squared = [](std::int64_t a) { return static_cast<std::uint64_t>(a * a); };
-  const std::uint64_t all = squared(p.normal.x) + squared(p.normal.y) + squared(p.normal.z);
-  const std::int32_t whole = log8(all);
-  const std::int32_t first = log8(all - squared(p.normal[axes[0]]));
-  const std::int32_t height = log8(squared(p.normal[axes[2]]));
-  const std::int32_t scales[3] = {
-      p.reach8 + (first - whole) / 2 + 8,
-      p.reach8 + (height - first) / 2 + 8,
-      p.reach8 + (whole - height) / 2 + 8};
+  const std::array<std::int32_t, 3> scales = scalesOf(p, axes);
   std::array<std::int64_t, 2> residuals{};
   glm::ivec3 result(0);
   for (int i = 0; i < 3; ++i) {
@@ -248,6 +256,63 @@ void codePosition(
     result[axis] = static_cast<std::int32_t>(expected + residual);
   }
   position = result;
+}
+
+/// Moves follow from the volume but for what rounding leaves, so that their residuals are of fixed
+/// scales: of the first two axes, and of the last.
+inline constexpr std::int32_t kMoveScale = 6;
+inline constexpr std::int32_t kVolumeScale = 9;
+
+/// Whether a split moves its parent, and where: its displacement, in and out, zero if not. The axis
+/// along which the plane of equal volume is fixed best comes last. n, p: what the new vertex's
+/// `position` was coded with.
+template <class Bins>
+void codeMove(
+    Bins& bins,
+    const Neighbourhood& n,
+    const Fan& fan,
+    const Prediction& p,
+    const MoveWeights& weights,
+    const glm::ivec3& position,
+    glm::ivec3& displacement) {
+  const MovePrediction move = predictMove(n, fan, p, position);
+  const bool moves = bins.code(
+      kMoved + std::min(move.distanceClass, kMovedClasses - 1),
+      displacement != glm::ivec3(0));
+  if (!moves) {
+    displacement = glm::ivec3(0);
+    return;
+  }
+  const Wide expected = weighed(Wide(0), move.terms, weights[p.weightClass]);
+  int last = p.normalAxis;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(move.area[axis]) > std::abs(move.area[last])) last = axis;
+  }
+  const int axes[3] = {(last + 1) % 3, (last + 2) % 3, last};
+  const bool hasPlane = move.area[last] != 0;
+  const auto near = [](std::int64_t a) {
+    constexpr std::int64_t kFar = 1 << 22;  // damaged bytes must not overflow the products
+    return std::clamp(a, -kFar, kFar);
+  };
+  glm::ivec3 result(0);
+  std::int64_t before = 0;  // what the first axes have of area · x
+  for (int i = 0; i < 3; ++i) {
+    const int axis = axes[i];
+    std::int64_t center = near(expected[axis]);
+    std::int32_t scale = kMoveScale;
+    if (i == 2 && hasPlane) {
+      const std::int64_t sign = move.area[axis] > 0 ? 1 : -1;
+      center = near(roundedQuotient(sign * (-move.swept - before), sign * move.area[axis]));
+      scale = kVolumeScale;
+    }
+    const std::int32_t residual = codeSigned(
+        bins,
+        residualContext(scale, i == 2),
+        static_cast<std::int32_t>(displacement[axis] - center));
+    result[axis] = static_cast<std::int32_t>(center + residual);
+    before += move.area[axis] * near(result[axis]);
+  }
+  displacement = result;
 }
 
 // ---- Features -----------------------------------------------------------------------------------

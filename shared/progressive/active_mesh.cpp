@@ -7,6 +7,7 @@
 // Ours is the prerequisite rule (README.md): the parent and its canonical ring.
 #include "shared/progressive/active_mesh.h"
 
+#include <cstdlib>
 #include <string>
 
 namespace limn {
@@ -67,6 +68,17 @@ Result<ActiveMesh::Opening> ActiveMesh::findOpening(const VertexSplit& split) {
   const VertexId levelBegin = levelBegin_[levelOf(split.vertex)];
   if (split.parent >= levelBegin) return corrupt(split.vertex, "its parent is not coarser");
   if (split.left == split.right) return corrupt(split.vertex, "its fan has no end");
+  if (split.parentMove != glm::ivec3(0)) {
+    const Slot parent = slotOf(split.parent);
+    if (hasMoves() && lastMoves_[parent] != kNone && lastMoves_[parent] >= levelBegin) {
+      return corrupt(split.vertex, "a finer one has moved its parent already");
+    }
+    const glm::i64vec3 moved = glm::i64vec3(positions_[parent]) + glm::i64vec3(split.parentMove);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::abs(moved[axis]) > kMaxGridCoordinate)
+        return corrupt(split.vertex, "it moves its parent off the grid");
+    }
+  }
   for (const VertexId side : {split.left, split.right}) {
     if (side != kNone && !holds(side)) return corrupt(split.vertex, "a side vertex is not held");
   }
@@ -200,7 +212,17 @@ Result<void> ActiveMesh::apply(const VertexSplit& split) {
   parents_.push_back(split.parent);
   replaced_.push_back(static_cast<std::uint8_t>(oldLeft | oldRight << 2));
   slots_.set(split.vertex, v);
+  if (hasMoves() || split.parentMove != glm::ivec3(0)) moveParent(split, u);
   return {};
+}
+
+void ActiveMesh::moveParent(const VertexSplit& split, Slot u) {
+  moves_.resize(ids_.size());
+  lastMoves_.resize(ids_.size(), kNone);
+  if (split.parentMove == glm::ivec3(0)) return;
+  moves_.back() = {split.parentMove, lastMoves_[u]};
+  lastMoves_[u] = split.vertex;
+  positions_[u] += split.parentMove;
 }
 
 Result<ActiveMesh::Star> ActiveMesh::findStar(VertexId vertex) const {
@@ -211,6 +233,11 @@ Result<ActiveMesh::Star> ActiveMesh::findStar(VertexId vertex) const {
   const VertexId levelBegin = levelBegin_[levelOf(vertex)];
   Star star;
   star.u = slotOf(parents_[v]);
+  if (hasMoves()) {
+    const bool isLastMove = moves_[v].by == glm::ivec3(0) || lastMoves_[star.u] == vertex;
+    if (!isLastMove || lastMoves_[v] != kNone)
+      return corrupt(vertex, "cannot be undone, a finer one has moved it or its parent");
+  }
   const bool isBorder = mesh_.isBorderVertex(v);
   std::vector<Slot> ring;
   const HalfEdgeId first = mesh_.outgoing[v];
@@ -305,6 +332,10 @@ void ActiveMesh::removeVertex(Slot slot) {
     ids_[slot] = ids_[last];
     parents_[slot] = parents_[last];
     replaced_[slot] = replaced_[last];
+    if (hasMoves()) {
+      moves_[slot] = moves_[last];
+      lastMoves_[slot] = lastMoves_[last];
+    }
     slots_.set(ids_[slot], slot);
   }
   mesh_.outgoing.pop_back();
@@ -314,6 +345,10 @@ void ActiveMesh::removeVertex(Slot slot) {
   ids_.pop_back();
   parents_.pop_back();
   replaced_.pop_back();
+  if (hasMoves()) {
+    moves_.pop_back();
+    lastMoves_.pop_back();
+  }
 }
 
 Result<VertexSplit> ActiveMesh::undo(VertexId vertex) {
@@ -326,6 +361,11 @@ Result<VertexSplit> ActiveMesh::undo(VertexId vertex) {
   split.parent = parents_[v];
   split.position = positions_[v];
   split.attributes = attributes_.at(v);
+  if (hasMoves() && moves_[v].by != glm::ivec3(0)) {
+    split.parentMove = moves_[v].by;
+    positions_[u] -= moves_[v].by;
+    lastMoves_[u] = moves_[v].earlier;
+  }
   const auto note = [&](HalfEdgeId h, SplitFeature bit) {
     if ((features_[h] & kFeatureCrease) != 0) split.features |= bit;
     if ((features_[h] & kFeatureSeam) != 0) split.seams |= bit;
@@ -393,6 +433,10 @@ void ActiveMesh::reserve(std::uint32_t splits) {
   if (!attributes_.normals.empty()) attributes_.normals.reserve(vertices);
   ids_.reserve(vertices);
   parents_.reserve(vertices);
+  if (hasMoves()) {
+    moves_.reserve(vertices);
+    lastMoves_.reserve(vertices);
+  }
   replaced_.reserve(vertices);
 }
 
@@ -402,8 +446,9 @@ std::size_t ActiveMesh::bytes() const {
          positions_.capacity() * sizeof(glm::ivec3) +
          attributes_.colors.capacity() * sizeof(SrgbColor) +
          attributes_.normals.capacity() * sizeof(OctNormal) +
-         (ids_.capacity() + parents_.capacity()) * sizeof(VertexId) + features_.capacity() +
-         replaced_.capacity() + slots_.bytes();
+         (ids_.capacity() + parents_.capacity() + lastMoves_.capacity()) * sizeof(VertexId) +
+         moves_.capacity() * sizeof(ParentMove) + features_.capacity() + replaced_.capacity() +
+         slots_.bytes();
 }
 
 Result<void>

@@ -18,7 +18,8 @@ namespace limn {
 
 /// A client's mesh: the base mesh and the splits applied so far, in any legal order, and not undone
 /// since. Vertices sit in slots, the base's first and in order; permanent ids name them to the
-/// outside. Always an oriented manifold. Copyable: a copy is a snapshot. Memory follows what is
+/// outside. Positions are those of what is held: a split may move its parent. Always an oriented
+/// manifold. Copyable: a copy is a snapshot. Memory follows what is
 /// held, not what levelBegin announces.
 class ActiveMesh {
  public:
@@ -34,8 +35,9 @@ class ActiveMesh {
 
   /// Applies one vertex split, the inverse of an edge collapse [Hoppe96].
   /// Gains 1 vertex and 1 (border) or 2 faces. Errors: kCorrupt (an id that is out of range,
-  /// missing or already held), kNonManifold (left and right do not bound a fan); the mesh is then
-  /// unchanged. Cost: O(valence). Threads: one writer.
+  /// missing or already held, a parent that moves out of order or off the grid), kNonManifold (left
+  /// and right do not bound a fan); the mesh is then unchanged. Cost: O(valence). Threads: one
+  /// writer.
   [[nodiscard]] Result<void> apply(const VertexSplit& split);
 
   /// Takes the memory for so many splits (of a closed mesh) in all. May throw std::bad_alloc.
@@ -45,7 +47,8 @@ class ActiveMesh {
   /// for the numbering of slots and faces (the last ones move into the holes). Returns the split;
   /// applying it again brings the mesh back. Legal when no split that is held has `vertex` as a
   /// prerequisite; descending order of ids always is. What can be seen of that here is checked:
-  /// errors kCorrupt (not a split that is held, a finer vertex is next to it), kNonManifold (its
+  /// errors kCorrupt (not a split that is held, a finer vertex is next to it or has moved it or its
+  /// parent), kNonManifold (its
   /// collapse would break the mesh); the mesh is then unchanged. Cost: O(valence²).
   [[nodiscard]] Result<VertexSplit> undo(VertexId vertex);
 
@@ -72,6 +75,19 @@ class ActiveMesh {
   [[nodiscard]] std::span<const glm::ivec3> positions() const {
     return positions_;
   }  // by slot, grid
+
+  /// Whether any split that was applied has moved its parent.
+  [[nodiscard]] bool hasMoves() const { return !moves_.empty(); }
+
+  /// Where a vertex stands in the mesh of the vertices before `end`, above its own id: what
+  /// predictions of splits of the level that begins there count from. Cost: O(its moves since).
+  [[nodiscard]] glm::ivec3 positionIn(VertexId end, Slot slot) const {
+    glm::ivec3 position = positions_[slot];
+    if (moves_.empty()) return position;
+    for (VertexId w = lastMoves_[slot]; w != kNone && w >= end; w = moves_[slots_[w]].earlier)
+      position -= moves_[slots_[w]].by;
+    return position;
+  }
 
   [[nodiscard]] std::span<const VertexId> ids() const { return ids_; }  // by slot
 
@@ -107,6 +123,8 @@ class ActiveMesh {
 
   /// Also fills fan_.
   [[nodiscard]] Result<Opening> findOpening(const VertexSplit& split);
+  /// Moves the parent, in slot u, of a split that was just applied, and keeps its history.
+  void moveParent(const VertexSplit& split, Slot u);
   /// Gives a half-edge the features that `split` has for the edge `bit`.
   void setFeature(HalfEdgeId h, const VertexSplit& split, SplitFeature bit);
 
@@ -116,6 +134,13 @@ class ActiveMesh {
     HalfEdgeId toParent = kNone;    // v → u, in the left face; kNone: there is none
     HalfEdgeId fromParent = kNone;  // u → v, in the right face; kNone: there is none
     std::vector<HalfEdgeId> fan;    // half-edges out of v of the faces that stay
+  };
+
+  /// What a split did to its parent's position. A vertex that moves keeps its history as a chain
+  /// through those of its children that moved it, finest first.
+  struct ParentMove {
+    glm::ivec3 by{0};          // zero: the parent stayed where it was
+    VertexId earlier = kNone;  // the child that moved it before
   };
 
   [[nodiscard]] Result<Star> findStar(VertexId vertex) const;
@@ -133,6 +158,9 @@ class ActiveMesh {
   std::vector<std::uint8_t> features_;
   std::vector<std::uint8_t> replaced_;  // by slot: features of u–l and, << 2, u–r before the split
   AttributeArrays attributes_;          // by slot
+  // By slot, from the first split that moves its parent on; before, nothing has a history.
+  std::vector<ParentMove> moves_;    // of the split that brought the vertex
+  std::vector<VertexId> lastMoves_;  // the finest split that moved the vertex; kNone
   SlotTable slots_;
   std::vector<HalfEdgeId> fan_;  // scratch: half-edges out of u whose faces move to v, ccw
 };

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/progressive/split_forest.h"
 
+#include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <type_traits>
@@ -19,16 +21,62 @@ VertexSplit SplitForest::split(VertexId v) const {
       .parent = parents[s],
       .left = cut.left == RingCut::kNoCut ? kNone : around[cut.left],
       .right = cut.right == RingCut::kNoCut ? kNone : around[cut.right],
-      .position = positions[v],
+      .position = positionIn(v + 1, v),
+      .parentMove = moves.by.empty() ? glm::ivec3(0) : moves.by[s],
       .features = features[s],
       .seams = seams.empty() ? std::uint8_t{0} : seams[s],
       .attributes = attributes.at(v)};
+}
+
+TriangleMesh SplitForest::baseMesh() const {
+  const std::uint32_t count = baseVertexCount();
+  TriangleMesh base{grid, {}, baseTriangles, {}};
+  base.positions.reserve(count);
+  for (VertexId v = 0; v < count; ++v)
+    base.positions.push_back(positionIn(count, v));
+  const auto take = [count](const auto& all, auto& some) {
+    if (!all.empty()) some.assign(all.begin(), all.begin() + count);
+  };
+  take(attributes.colors, base.attributes.colors);
+  take(attributes.normals, base.attributes.normals);
+  return base;
+}
+
+void SplitForest::deriveMoves() {
+  if (moves.by.empty()) return;
+  const std::uint32_t base = baseVertexCount();
+  moves.last.assign(vertexCount(), kNone);
+  moves.earlier.assign(splitCount(), kNone);
+  moves.neededBegin.assign(1, 0);
+  moves.needed.clear();
+  // Level by level: until a level is done, `last` knows nothing finer.
+  for (std::uint32_t level = 1; level < levelCount(); ++level) {
+    for (VertexId v = levelBegin[level]; v < levelBegin[level + 1]; ++v) {
+      const std::span<const VertexId> around = ring(v);
+      const auto need = [&](VertexId x) {
+        const VertexId mover = moves.last[x];
+        const bool isThere = mover == kNone || mover == parent(v) ||
+                             std::find(around.begin(), around.end(), mover) != around.end();
+        if (!isThere) moves.needed.push_back(mover);
+      };
+      need(parent(v));
+      for (const VertexId w : around)
+        need(w);
+      moves.neededBegin.push_back(static_cast<std::uint32_t>(moves.needed.size()));
+    }
+    for (VertexId v = levelBegin[level]; v < levelBegin[level + 1]; ++v) {
+      if (moves.by[v - base] == glm::ivec3(0)) continue;
+      moves.earlier[v - base] = moves.last[parent(v)];
+      moves.last[parent(v)] = v;
+    }
+  }
 }
 
 namespace {
 
 constexpr std::uint32_t kForestMagic = 0x31464C4D;            // "MLF1"
 constexpr std::uint32_t kForestMagicAttributes = 0x32464C4D;  // "MLF2": attributes follow
+constexpr std::uint32_t kForestMagicMoves = 0x33464C4D;       // "MLF3": attributes, then moves
 
 class Writer {
  public:
@@ -94,6 +142,7 @@ const char* findFault(const SplitForest& forest) {
       forest.features.size() != splits || forest.bounds.size() != splits ||
       forest.baseFeatures.size() != 3 * forest.baseTriangles.size() ||
       (!forest.seams.empty() && forest.seams.size() != splits) ||
+      (!forest.moves.by.empty() && forest.moves.by.size() != splits) ||
       (!forest.attributes.colors.empty() && forest.attributes.colors.size() != vertices) ||
       (!forest.attributes.normals.empty() && forest.attributes.normals.size() != vertices)) {
     return "array sizes";
@@ -128,12 +177,30 @@ const char* findFault(const SplitForest& forest) {
   return nullptr;
 }
 
+// Wherever its splits put them, vertices are on the grid. Needs the derived moves.
+bool standsOnGrid(const SplitForest& forest) {
+  if (forest.placement() == Placement::kSubset) return true;
+  for (VertexId v = 0; v < forest.vertexCount(); ++v) {
+    glm::i64vec3 position(forest.positions[v]);
+    for (VertexId w = forest.moves.last[v]; w != kNone;) {
+      const std::uint32_t s = w - forest.baseVertexCount();
+      position -= glm::i64vec3(forest.moves.by[s]);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (std::abs(position[axis]) > kMaxGridCoordinate) return false;
+      }
+      w = forest.moves.earlier[s];
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> serializeForest(const SplitForest& forest) {
   Writer out;
-  const bool hasAttributes = forest.attributeKinds() != 0;
-  out.value(hasAttributes ? kForestMagicAttributes : kForestMagic);
+  const bool hasMoves = forest.placement() != Placement::kSubset;
+  const bool hasAttributes = hasMoves || forest.attributeKinds() != 0;
+  out.value(hasMoves ? kForestMagicMoves : hasAttributes ? kForestMagicAttributes : kForestMagic);
   out.value(static_cast<std::int32_t>(forest.grid.bits));
   out.value(forest.grid.origin);
   out.value(forest.grid.step);
@@ -153,6 +220,7 @@ std::vector<std::uint8_t> serializeForest(const SplitForest& forest) {
     out.array(forest.attributes.colors);
     out.array(forest.attributes.normals);
   }
+  if (hasMoves) out.array(forest.moves.by);
   return out.take();
 }
 
@@ -162,7 +230,8 @@ Result<SplitForest> parseForest(std::span<const std::uint8_t> bytes) {
   std::uint32_t magic = 0;
   std::int32_t bits = 0;
   const bool whole =
-      in.value(magic) && (magic == kForestMagic || magic == kForestMagicAttributes) &&
+      in.value(magic) &&
+      (magic == kForestMagic || magic == kForestMagicAttributes || magic == kForestMagicMoves) &&
       in.value(bits) && in.value(forest.grid.origin) && in.value(forest.grid.step) &&
       in.array(forest.levelBegin) && in.array(forest.positions) && in.array(forest.baseTriangles) &&
       in.array(forest.baseFeatures) && in.array(forest.triangles) && in.array(forest.parents) &&
@@ -170,6 +239,7 @@ Result<SplitForest> parseForest(std::span<const std::uint8_t> bytes) {
       in.array(forest.features) && in.array(forest.bounds) &&
       (magic == kForestMagic || (in.array(forest.seams) && in.array(forest.attributes.colors) &&
                                  in.array(forest.attributes.normals))) &&
+      (magic != kForestMagicMoves || (in.array(forest.moves.by) && !forest.moves.by.empty())) &&
       in.atEnd();
   if (!whole)
     return fail(
@@ -180,6 +250,12 @@ Result<SplitForest> parseForest(std::span<const std::uint8_t> bytes) {
     return fail(
         ErrorCode::kCorrupt,
         std::string("forest section is damaged (") + fault + "): prepare the model again");
+  }
+  forest.deriveMoves();
+  if (!standsOnGrid(forest)) {
+    return fail(
+        ErrorCode::kCorrupt,
+        "forest section is damaged (a vertex moves off the grid): prepare the model again");
   }
   return forest;
 }

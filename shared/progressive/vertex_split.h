@@ -34,7 +34,8 @@ struct VertexSplit {
   VertexId parent = kNone;    // u: the vertex it was collapsed into
   VertexId left = kNone;      // l: start of the fan, kNone on a border
   VertexId right = kNone;     // r: end of the fan, kNone on a border
-  glm::ivec3 position{0};     // of `vertex`, on the grid; the parent keeps its place
+  glm::ivec3 position{0};     // of `vertex`, on the grid
+  glm::ivec3 parentMove{0};   // added to the parent's position; zero: it keeps its place
   std::uint8_t features = 0;  // SplitFeature: which edges are creases
   std::uint8_t seams = 0;     // SplitFeature: which edges are seams
   VertexAttributes attributes{};
@@ -49,6 +50,12 @@ enum SplitFeature : std::uint8_t {
   kSplitEdgeUR = 8,
   kSplitEdgeVR = 16,
   kSplitParentOnBorder = 32,  // the canonical ring is a path; known to a decoder, never coded
+};
+
+/// Where the survivor of a collapse stands (--placement).
+enum class Placement : std::uint8_t {
+  kSubset = 0,  // where it stood
+  kVolume = 1,  // where the volume stays the same and the cost is least: splits move their parents
 };
 
 /// Level of vertex v, given the first vertex of each level and, last, the number of vertices.

@@ -217,9 +217,11 @@ class Bench:
 
     def simplifiers(self, name):
         """Ours at the level nearest to a tenth of the faces, 12 bits, beside OpenMesh, CGAL and meshoptimizer at as many.
-        rms: both ways, 1e-5 of the diagonal. contour: mean distance of visible contours, px of 1024, 40 views."""
+        rms: both ways, 1e-5 of the diagonal. contour: mean distance of visible contours, px of 1024, 40 views.
+        "placed": --placement volume. Contours at a share of Draco's bytes lie between levels."""
         views = "10" if self.quick or name == "dragon" else "40"
-        done = subprocess.run([harness.BIN / "limn-simplify-bench", self.files[name], "--shares", "0.1", "--views", views],
+        rates = ["--no-rates"] if self.quick else []
+        done = subprocess.run([harness.BIN / "limn-simplify-bench", self.files[name], "--shares", "0.1", "--views", views, *rates],
                               check=True, stdout=subprocess.PIPE, text=True, timeout=1800)
         rows = [json.loads(line) for line in done.stdout.splitlines()]
         for row in rows:
@@ -244,6 +246,10 @@ class Bench:
             self.table.add("faces a second, %s" % method, name, row["faces_per_second"], None,
                            100_000 if isDefault else None, better="higher")
             self.table.add("exact to Draco, %s" % method, name, row["exact_ratio"])
+            self.table.add("stream to Draco, %s" % method, name, row["draco_ratio"])
+        for row in rows:
+            for key in (key for key in row if key.startswith("contour_at_")):
+                self.table.add("contour at %s %% of Draco, %s" % (key[len("contour_at_"):], row["method"]), name, row[key])
 
     def hull(self):
         """Both hulls: CPU seconds of one core, volumes, self-crossings, and points of the wrong side among 10^5 a level."""

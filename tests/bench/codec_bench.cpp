@@ -46,11 +46,7 @@ double cpuSeconds() {
 using Runs = std::vector<std::vector<std::uint8_t>>;
 
 ActiveMesh baseOf(const SplitForest& forest) {
-  TriangleMesh base{forest.grid, {}, forest.baseTriangles};
-  base.positions.assign(
-      forest.positions.begin(),
-      forest.positions.begin() + forest.baseVertexCount());
-  return *ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
+  return *ActiveMesh::fromBase(forest.levelBegin, forest.baseMesh(), forest.baseFeatures);
 }
 
 std::size_t bytesOf(const Runs& runs) {
@@ -92,13 +88,11 @@ std::vector<VertexId> splitsOfView(const SplitForest& forest) {
     const HalfEdgeId twin = full->twins[h];
     if (twin == kNone || front[HalfEdgeMesh::face(h)] == front[HalfEdgeMesh::face(twin)]) continue;
     const glm::uvec3& t = forest.triangles[HalfEdgeMesh::face(h)];
-    wanted[std::max({t.x, t.y, t.z})] = true;
+    forest.forEachSplitOfFace(t, [&](VertexId v) { wanted[v] = true; });
   }
   for (VertexId v = forest.vertexCount(); v-- > base;) {
     if (!wanted[v]) continue;
-    wanted[forest.parent(v)] = true;
-    for (const VertexId w : forest.ring(v))
-      wanted[w] = true;
+    forest.forEachPrerequisite(v, [&](VertexId w) { wanted[w] = true; });
   }
   std::vector<VertexId> ids;
   for (VertexId v = base; v < forest.vertexCount(); ++v) {

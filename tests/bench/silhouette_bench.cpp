@@ -253,10 +253,7 @@ void benchRefit(const std::string& name, const TriangleMesh& shape, int viewCoun
   const auto built = buildForest(shape, {.baseFaces = 800, .threads = 1});
   if (!built) return;
   const SplitForest& forest = built->forest;
-  TriangleMesh base{forest.grid, {}, forest.baseTriangles};
-  base.positions.assign(
-      forest.positions.begin(),
-      forest.positions.begin() + forest.baseVertexCount());
+  const TriangleMesh base = forest.baseMesh();
   auto half = ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
   if (!half) return;
   // By levels to the half, then the first hundredth of all splits that open on one side.

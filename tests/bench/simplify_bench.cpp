@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -39,7 +40,9 @@ struct Options {
   std::uint32_t samples = 20000;
   std::uint32_t baseFaces = 800;
   bool references = true;
+  bool rates = true;
   std::string cost;                          // only this one; empty: all
+  std::string placement;                     // only this one; empty: both
   std::vector<double> shares = {0.1, 0.03};  // of the faces
 };
 
@@ -62,7 +65,8 @@ TriangleMesh cutAt(const SplitForest& forest, std::uint32_t vertices) {
   for (VertexId v = 0; v < ancestor.size(); ++v)
     ancestor[v] = v < vertices ? v : ancestor[forest.parent(v)];
   TriangleMesh mesh{forest.grid, {}, {}};
-  mesh.positions.assign(forest.positions.begin(), forest.positions.begin() + vertices);
+  for (VertexId v = 0; v < vertices; ++v)
+    mesh.positions.push_back(forest.positionIn(vertices, v));
   for (const glm::uvec3& t : forest.triangles) {
     const glm::uvec3 mapped(ancestor[t.x], ancestor[t.y], ancestor[t.z]);
     if (mapped.x != mapped.y && mapped.y != mapped.z && mapped.z != mapped.x)
@@ -155,8 +159,7 @@ class ExactCost {
       if (mesh_.twins[h] == kNone) continue;
       const FaceId f = HalfEdgeMesh::face(h);
       if (isFront[f] == isFront[HalfEdgeMesh::face(mesh_.twins[h])]) continue;
-      const glm::uvec3& t = forest_.triangles[f];
-      needed[std::max({t.x, t.y, t.z})] = 1;
+      forest_.forEachSplitOfFace(forest_.triangles[f], [&](VertexId v) { needed[v] = 1; });
     }
     return needed;
   }
@@ -167,8 +170,7 @@ class ExactCost {
       if (set[v] == 0) continue;
       set[forest_.parent(v)] = 1;
       if (wholeRing) {
-        for (const VertexId w : forest_.ring(v))
-          set[w] = 1;
+        forest_.forEachPrerequisite(v, [&](VertexId w) { set[w] = 1; });
       } else {
         const auto ring = forest_.ring(v);
         const RingCut cut = forest_.cuts[v - forest_.baseVertexCount()];
@@ -261,8 +263,27 @@ class Bench {
       levelFaces.push_back(level.faces);
     whole["level_faces"] = std::move(levelFaces);
     whole["ring"] = static_cast<double>(forest.rings.size()) / forest.splitCount();
+    SplitBits bits;
+    const LevelFronts fronts = frontsOf(forest);
+    const SplitModel model = trainSplitModel(forest, fronts);
+    for (std::uint32_t level = 1; level < forest.levelCount(); ++level) {
+      bits += measureLevelRun(
+          forest,
+          model,
+          fronts,
+          forest.levelBegin[level],
+          forest.levelBegin[level + 1]);
+    }
+    const auto each = [&](double sum) { return sum / forest.splitCount(); };
+    whole["bits"] = {
+        {"names", each(bits.names)},
+        {"cuts", each(bits.cuts)},
+        {"positions", each(bits.positions)},
+        {"moves", each(bits.moves)}};
+    whole["moved"] = each(
+        static_cast<double>(forest.moves.by.size()) -
+        static_cast<double>(std::ranges::count(forest.moves.by, glm::ivec3(0))));
 
-    const SplitModel model = trainSplitModel(forest, frontsOf(forest));
     std::uint32_t blockLevels = 0;
     for (std::uint64_t at = 0; at < wireBytes(wire.blocks); ++blockLevels)
       at += wire.levelBytes[blockLevels + 1];
@@ -288,7 +309,41 @@ class Bench {
       measureCut(name, forest, wire, best);
       counts.push_back(built->levels[best].faces);
     }
+    if (options_.rates) measureRates(name, forest, wire);
     return counts;
+  }
+
+  // Contour error at shares of Draco's bytes for the whole mesh, between levels as lines in
+  // logarithms of both.
+  void measureRates(const std::string& name, const SplitForest& forest, const WireSections& wire) {
+    constexpr std::array<double, 4> kShares = {0.06, 0.12, 0.25, 0.5};
+    Json json = row("rates", name);
+    std::size_t next = 0;
+    double bytes = 0.0;
+    double bytesBefore = 0.0;
+    double errorBefore = 0.0;
+    for (std::uint32_t level = 0; level + 1 < forest.levelCount() && next < kShares.size();
+         ++level) {
+      bytes += static_cast<double>(wire.levelBytes[level]);
+      const double share = bytes / static_cast<double>(fullDraco_);
+      const double share1 =
+          share + static_cast<double>(wire.levelBytes[level + 1]) / static_cast<double>(fullDraco_);
+      if (share1 < kShares[0]) continue;
+      const double error =
+          contours_.compare(plain(cutAt(forest, forest.levelBegin[level + 1]))).mean;
+      for (; next < kShares.size() && share >= kShares[next]; ++next) {
+        const double wanted = std::log(kShares[next]);
+        const double along = bytesBefore == 0.0 ? 1.0
+                                                : (wanted - std::log(bytesBefore)) /
+                                                      (std::log(share) - std::log(bytesBefore));
+        json["contour_at_" + std::to_string(std::lround(100.0 * kShares[next]))] =
+            bytesBefore == 0.0 ? error
+                               : std::exp(std::lerp(std::log(errorBefore), std::log(error), along));
+      }
+      bytesBefore = share;
+      errorBefore = error;
+    }
+    print(json);
   }
 
   void measureCut(
@@ -356,6 +411,10 @@ int run(int argc, char** argv) {
         options.shares.push_back(std::strtod(at, &at));
     } else if (std::strcmp(argv[i], "--cost") == 0 && i + 1 < argc) {
       options.cost = argv[++i];
+    } else if (std::strcmp(argv[i], "--placement") == 0 && i + 1 < argc) {
+      options.placement = argv[++i];
+    } else if (std::strcmp(argv[i], "--no-rates") == 0) {
+      options.rates = false;
     } else if (std::strcmp(argv[i], "--no-references") == 0) {
       options.references = false;
     } else {
@@ -381,8 +440,16 @@ int run(int argc, char** argv) {
             CollapseCost::kMemoryless},  // the default first: references match it
         {"volume", CollapseCost::kVolume},
         {"quadric", CollapseCost::kQuadric}}) {
-    if (options.cost.empty() || options.cost == name)
-      ours.push_back({name, {.baseFaces = options.baseFaces, .cost = cost, .threads = 1}});
+    for (const auto& [placed, placement] :
+         {std::pair{"subset", Placement::kSubset}, {"volume", Placement::kVolume}}) {
+      if ((!options.cost.empty() && options.cost != name) ||
+          (!options.placement.empty() && options.placement != placed)) {
+        continue;
+      }
+      ours.push_back(
+          {placement == Placement::kSubset ? name : std::string(name) + ", placed",
+           {.baseFaces = options.baseFaces, .cost = cost, .placement = placement, .threads = 1}});
+    }
   }
   bench.run(ours);
   return 0;

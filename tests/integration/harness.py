@@ -390,8 +390,8 @@ class Case(unittest.TestCase):
         report = json.loads(out)
         return (report[0] if isinstance(report, list) else report), read_ply(dump)
 
-    def prepare_shape(self, name, shape):
-        return self.prepare(write_obj(self.folder / (name + ".obj"), shape), name)
+    def prepare_shape(self, name, shape, *arguments):
+        return self.prepare(write_obj(self.folder / (name + ".obj"), shape), name, *arguments)
 
     def draw(self, url, name, *arguments, expect=0):
         """limn-client render: its report, and its mesh."""

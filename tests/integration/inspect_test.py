@@ -47,6 +47,15 @@ class Inspect(Case):
             self.assertLess(level["bytes"], least + FRAME_AND_HEAD)
         self.assertIn("attributes", self.inspect("painted", "--store", self.store))
 
+    def test_placement_and_the_bits_of_moves_are_told(self):
+        self.prepare_shape("placed", torus(48, 24, bump=0.1), "--placement", "volume")
+        for name, placement in (("bumpy", "subset"), ("placed", "volume")):
+            told = json.loads(self.inspect(name, "--store", self.store, "--json"))
+            self.assertEqual(told["placement"], placement)
+            moves = sum(level["bits"]["moves"] for level in told["levels"])
+            self.assertEqual(moves > 0, placement == "volume")
+            self.assertIn(placement + " placement", self.inspect(name, "--store", self.store))
+
     def test_errors_come_down_with_bytes_and_end_at_none(self):
         plot = self.folder / "plot.svg"
         told = json.loads(self.inspect("bumpy", "--store", self.store, "--json", "--views", 2, "--plot", plot))["rates"]

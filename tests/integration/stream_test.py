@@ -35,6 +35,23 @@ class Stream(Case):
                     _, mesh = self.draw(server.url, name, "--until", "complete")
                     self.assert_same_mesh(mesh, wanted[name], "%s, seed %d" % (name, seed))
 
+    def test_vertices_that_move_end_where_they_were_prepared(self):
+        placed = ("--placement", "volume")
+        report, hills = self.prepare_shape("hills", SHAPES["hills"], *placed)
+        self.assertEqual(report["placement"], "volume")
+        _, painted = self.prepare(write_painted(self.folder / "painted.ply", SHAPES["bumpy"]), "painted", *placed)
+        vertices = lambda mesh: collections.Counter(zip(mesh.positions, mesh.attributes))
+        with Server(self.store) as server:
+            for until in ("settled", "exact"):
+                _, mesh = self.draw(server.url, "painted", "--until", until, "--silhouette", "edges")
+                self.assert_manifold(mesh, until)
+            _, mesh = self.draw(server.url, "hills", "--until", "complete")
+            self.assert_same_mesh(mesh, hills, "hills")
+        with Server(self.store, "--random-order", 4) as server:
+            _, mesh = self.draw(server.url, "painted", "--until", "complete", "--draw", "shaded")
+            self.assert_same_mesh(mesh, painted, "painted")
+            self.assertEqual(vertices(mesh), vertices(painted))
+
     def test_colours_and_normals_arrive_as_they_were_prepared(self):
         vertices = lambda mesh: collections.Counter(zip(mesh.positions, mesh.attributes))
         report, wanted = self.prepare(write_painted(self.folder / "painted.ply", SHAPES["bumpy"]), "painted")

@@ -49,14 +49,7 @@ inline CanonicalMesh canonicalOf(const ActiveMesh& active) {
 }
 
 inline ActiveMesh baseMeshOf(const SplitForest& forest) {
-  TriangleMesh base{forest.grid, {}, forest.baseTriangles};
-  base.positions.assign(
-      forest.positions.begin(),
-      forest.positions.begin() + forest.baseVertexCount());
-  base.attributes = forest.attributes;
-  if (!base.attributes.colors.empty()) base.attributes.colors.resize(base.positions.size());
-  if (!base.attributes.normals.empty()) base.attributes.normals.resize(base.positions.size());
-  auto active = ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
+  auto active = ActiveMesh::fromBase(forest.levelBegin, forest.baseMesh(), forest.baseFeatures);
   EXPECT_TRUE(active) << active.error().message;
   return active ? std::move(*active) : ActiveMesh();
 }

@@ -23,9 +23,7 @@ inline std::vector<VertexId> randomLegalOrder(const SplitForest& forest, Rng& rn
       dependents[prerequisite].push_back(v);
       ++missing[v - base];
     };
-    require(forest.parent(v));
-    for (const VertexId w : forest.ring(v))
-      require(w);
+    forest.forEachPrerequisite(v, require);
     if (missing[v - base] == 0) ready.push_back(v);
   }
   std::vector<VertexId> order;

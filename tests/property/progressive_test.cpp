@@ -10,6 +10,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <string>
+#include <tuple>
 
 namespace limn {
 namespace {
@@ -30,9 +33,10 @@ std::vector<Shape> shapes() {
       {"bumpy", primitives::bumpySphere(4, 3)}};
 }
 
-ForestOptions smallBase() {
+ForestOptions smallBase(Placement placement = Placement::kSubset) {
   ForestOptions options;
   options.baseFaces = 60;
+  options.placement = placement;
   return options;
 }
 
@@ -58,33 +62,31 @@ std::vector<std::array<VertexId, 3>> fullFaces(const SplitForest& forest) {
 }
 
 ActiveMesh baseOf(const SplitForest& forest) {
-  TriangleMesh base{forest.grid, {}, forest.baseTriangles};
-  base.positions.assign(
-      forest.positions.begin(),
-      forest.positions.begin() + forest.baseVertexCount());
-  auto active = ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
+  auto active = ActiveMesh::fromBase(forest.levelBegin, forest.baseMesh(), forest.baseFeatures);
   EXPECT_TRUE(active) << active.error().message;
   return active ? std::move(*active) : ActiveMesh();
 }
 
-class Progressive : public testing::TestWithParam<std::size_t> {
+class Progressive : public testing::TestWithParam<std::tuple<std::size_t, Placement>> {
  protected:
   void SetUp() override {
-    shape_ = shapes()[GetParam()];
+    shape_ = shapes()[std::get<0>(GetParam())];
+    placement_ = std::get<1>(GetParam());
     SCOPED_TRACE(shape_.name);
-    auto built = buildForest(shape_.mesh, smallBase());
+    auto built = buildForest(shape_.mesh, smallBase(placement_));
     ASSERT_TRUE(built) << built.error().message;
     built_ = std::move(*built);
   }
 
   Shape shape_;
+  Placement placement_ = Placement::kSubset;
   BuiltForest built_;
 };
 
 TEST_P(Progressive, AnyLegalOrderEndsInTheFullMesh) {
   const SplitForest& forest = built_.forest;
   const auto expected = fullFaces(forest);
-  Rng rng(GetParam() + 1);
+  Rng rng(std::get<0>(GetParam()) + 1);
   for (int run = 0; run < 4; ++run) {
     const auto order =
         randomLegalOrder(forest, rng, run % 2 == 0 ? OrderKind::kUniform : OrderKind::kDepthFirst);
@@ -98,11 +100,18 @@ TEST_P(Progressive, AnyLegalOrderEndsInTheFullMesh) {
           << "split " << v << " of level " << forest.levelOf(v) << ": "
           << testing::PrintToString(ring) << " instead of "
           << testing::PrintToString(std::vector<VertexId>(stored.begin(), stored.end()));
+      // … and stands where it stood when the level was made, whatever has moved it since.
+      const VertexId end = forest.levelBegin[forest.levelOf(v)];
+      ring.push_back(forest.parent(v));
+      for (const VertexId w : ring)
+        ASSERT_EQ(active.positionIn(end, active.slotOf(w)), forest.positionIn(end, w));
       const auto applied = active.apply(forest.split(v));
       ASSERT_TRUE(applied) << applied.error().message;
     }
     EXPECT_TRUE(validate(active.mesh()));
     EXPECT_EQ(canonicalFaces(active.mesh().triangles(), active.ids()), expected);
+    for (Slot slot = 0; slot < active.ids().size(); ++slot)
+      ASSERT_EQ(active.positions()[slot], forest.positions[active.ids()[slot]]);
   }
 }
 
@@ -121,9 +130,10 @@ TEST_P(Progressive, EveryClosedSubsetIsAManifold) {
   }
 }
 
-// A face of the full mesh is in a client's mesh as soon as its last-numbered corner is: what the
-// server's choice of splits for exact silhouettes rests on.
-TEST_P(Progressive, AFullFaceIsPresentOnceItsFinestCornerIs) {
+// A face of the full mesh is in a client's mesh as soon as its last-numbered corner is, and as it
+// is once nothing will move its corners any more: what the server's choice of splits for exact
+// silhouettes rests on.
+TEST_P(Progressive, AFullFaceIsPresentOnceItsFinestCornerIsAndItsCornersRest) {
   const SplitForest& forest = built_.forest;
   Rng rng(5);
   const auto order = randomLegalOrder(forest, rng, OrderKind::kDepthFirst);
@@ -134,6 +144,15 @@ TEST_P(Progressive, AFullFaceIsPresentOnceItsFinestCornerIs) {
   for (const auto& face : fullFaces(forest)) {
     if (active.holds(*std::max_element(face.begin(), face.end()))) {
       EXPECT_TRUE(std::binary_search(present.begin(), present.end(), face));
+    }
+    bool isWhole = true;
+    forest.forEachSplitOfFace({face[0], face[1], face[2]}, [&](VertexId v) {
+      isWhole = isWhole && active.holds(v);
+    });
+    for (const VertexId v : face) {
+      if (isWhole) {
+        EXPECT_EQ(active.positions()[active.slotOf(v)], forest.positions[v]);
+      }
     }
   }
 }
@@ -156,8 +175,30 @@ TEST_P(Progressive, CreasesOfTheFullMeshComeBackInAnyOrder) {
   }
 }
 
+// What a split is chosen by holds every full face that waits for it.
+TEST_P(Progressive, BoundsOfASplitHoldTheFullFacesThatNeedIt) {
+  const SplitForest& forest = built_.forest;
+  for (const glm::uvec3& face : forest.triangles) {
+    const std::array<glm::dvec3, 3> at = {
+        glm::dvec3(forest.positions[face.x]),
+        glm::dvec3(forest.positions[face.y]),
+        glm::dvec3(forest.positions[face.z])};
+    const glm::dvec3 area = glm::cross(at[1] - at[0], at[2] - at[0]);
+    forest.forEachSplitOfFace(face, [&](VertexId v) {
+      const SplitBounds& bounds = forest.bounds[v - forest.baseVertexCount()];
+      for (const glm::dvec3& corner : at)
+        ASSERT_LE(glm::distance(corner, glm::dvec3(bounds.center)), bounds.radius * (1 + 1e-5));
+      if (bounds.coneCos > -1.0F && glm::length(area) > 0.0) {
+        ASSERT_GE(
+            glm::dot(glm::normalize(area), glm::dvec3(bounds.coneAxis)),
+            bounds.coneCos - 1e-5);
+      }
+    });
+  }
+}
+
 TEST_P(Progressive, ThreadsDoNotChangeTheForest) {
-  ForestOptions options = smallBase();
+  ForestOptions options = smallBase(placement_);
   options.threads = 1;
   const auto other = buildForest(shape_.mesh, options);
   ASSERT_TRUE(other);
@@ -176,11 +217,45 @@ TEST_P(Progressive, TheForestSurvivesSerialisationAndNoTruncationPasses) {
   }
 }
 
+std::string nameOf(const testing::TestParamInfo<Progressive::ParamType>& info) {
+  const bool moves = std::get<1>(info.param) == Placement::kVolume;
+  return shapes()[std::get<0>(info.param)].name + std::string(moves ? "Volume" : "");
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Shapes,
     Progressive,
-    testing::Range<std::size_t>(0, 7),
-    [](const auto& shape) { return std::string(shapes()[shape.param].name); });
+    testing::Combine(
+        testing::Range<std::size_t>(0, 7),
+        testing::Values(Placement::kSubset, Placement::kVolume)),
+    nameOf);
+
+// The levels of a volume forest, as a client sees them, keep the volume; those of the other shrink
+// or grow.
+TEST(VolumePlacement, KeepsTheVolumeOfClosedMeshes) {
+  const auto volumeOf = [](const ActiveMesh& active) {
+    double volume = 0.0;
+    for (const glm::uvec3& t : active.mesh().triangles()) {
+      const auto at = [&](int k) { return glm::dvec3(active.positions()[t[k]]); };
+      volume += glm::dot(at(0), glm::cross(at(1), at(2))) / 6.0;
+    }
+    return volume;
+  };
+  for (const TriangleMesh& mesh : {primitives::icosphere(4), primitives::torus(60, 24)}) {
+    double off[2] = {};
+    for (const Placement placement : {Placement::kSubset, Placement::kVolume}) {
+      const auto built = buildForest(mesh, smallBase(placement));
+      ASSERT_TRUE(built);
+      EXPECT_EQ(built->forest.placement(), placement);
+      ActiveMesh active = baseOf(built->forest);
+      const double base = volumeOf(active);
+      for (VertexId v = built->forest.baseVertexCount(); v < built->forest.vertexCount(); ++v)
+        ASSERT_TRUE(active.apply(built->forest.split(v)));
+      off[placement == Placement::kVolume ? 1 : 0] = std::abs(base / volumeOf(active) - 1.0);
+    }
+    EXPECT_LT(off[1], 0.3 * off[0]);
+  }
+}
 
 }  // namespace
 }  // namespace limn

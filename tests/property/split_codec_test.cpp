@@ -15,20 +15,19 @@
 namespace limn {
 namespace {
 
-SplitForest forestOf(const TriangleMesh& mesh) {
+constexpr std::array<Placement, 2> kPlacements = {Placement::kSubset, Placement::kVolume};
+
+SplitForest forestOf(const TriangleMesh& mesh, Placement placement = Placement::kSubset) {
   ForestOptions options;
   options.baseFaces = 80;
+  options.placement = placement;
   auto built = buildForest(mesh, options);
   EXPECT_TRUE(built);
   return std::move(built->forest);
 }
 
 ActiveMesh baseOf(const SplitForest& forest) {
-  TriangleMesh base{forest.grid, {}, forest.baseTriangles};
-  base.positions.assign(
-      forest.positions.begin(),
-      forest.positions.begin() + forest.baseVertexCount());
-  return *ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
+  return *ActiveMesh::fromBase(forest.levelBegin, forest.baseMesh(), forest.baseFeatures);
 }
 
 // Positions and features of every held vertex equal the forest's.
@@ -48,6 +47,16 @@ std::vector<TriangleMesh> shapes() {
       primitives::bumpySphere(4, 3)};
 }
 
+// Every shape, with parents that stay and with parents that move.
+std::vector<SplitForest> forests() {
+  std::vector<SplitForest> all;
+  for (const TriangleMesh& shape : shapes()) {
+    for (const Placement placement : kPlacements)
+      all.push_back(forestOf(shape, placement));
+  }
+  return all;
+}
+
 SplitModel modelOf(const SplitForest& forest) {
   return trainSplitModel(forest, frontsOf(forest));
 }
@@ -60,8 +69,7 @@ std::vector<VertexId> allSplits(const SplitForest& forest) {
 }
 
 TEST(SplitCodec, LevelRunsInOrderGiveTheFullMesh) {
-  for (const TriangleMesh& shape : shapes()) {
-    const SplitForest forest = forestOf(shape);
+  for (const SplitForest& forest : forests()) {
     const LevelFronts fronts = frontsOf(forest);
     const SplitModel model = trainSplitModel(forest, fronts);
     ActiveMesh active = baseOf(forest);
@@ -94,10 +102,11 @@ TEST(SplitCodec, EveryGridComesBackExactly) {
       for (int axis = 0; axis < 3; ++axis)
         p[axis] = static_cast<std::int32_t>((p[axis] + largest) * side / (2 * largest));
     }
-    const SplitForest forest = forestOf(scaled);
+    const Placement placement = kPlacements[static_cast<std::size_t>(bits % 2)];
+    const SplitForest forest = forestOf(scaled, placement);
     const LevelFronts fronts = frontsOf(forest);
     const SplitModel model = trainSplitModel(forest, fronts);
-    SplitDecoder decoder(*parseSplitModel(serializeSplitModel(model)));
+    SplitDecoder decoder(*parseSplitModel(serializeSplitModel(model), placement));
     ActiveMesh active = baseOf(forest);
     const std::uint32_t half = forest.levelCount() / 2;
     for (std::uint32_t level = 1; level < half; ++level) {
@@ -116,8 +125,7 @@ TEST(SplitCodec, EveryGridComesBackExactly) {
 
 TEST(SplitCodec, PacketsOfAnyLegalOrderDecode) {
   Rng rng(17);
-  for (const TriangleMesh& shape : shapes()) {
-    const SplitForest forest = forestOf(shape);
+  for (const SplitForest& forest : forests()) {
     const SplitModel model = modelOf(forest);
     ActiveMesh active = baseOf(forest);
     SplitDecoder decoder(model);
@@ -144,11 +152,11 @@ TEST(SplitCodec, PacketEncoderMakesTheSameBytesAsTheSlowOne) {
   meshes.push_back(primitives::bumpySphere(3, 3));
   for (glm::ivec3& p : meshes.back().positions)
     p *= 37;
-  for (const TriangleMesh& shape : meshes) {
-    const SplitForest forest = forestOf(shape);
+  for (std::size_t i = 0; i < 2 * meshes.size(); ++i) {
+    const SplitForest forest = forestOf(meshes[i / 2], kPlacements[i % 2]);
     const SplitModel model = modelOf(forest);
     PacketEncoder encoder(forest, model);
-    for (int run = 0; run < 60; ++run) {
+    for (int run = 0; run < 30; ++run) {
       std::vector<VertexId> ids;
       const std::uint32_t sparsity = 1 + rng.below(20);
       for (const VertexId v : allSplits(forest)) {
@@ -220,22 +228,33 @@ TEST(SplitCodec, MeasuredModelsDecodeAsWellAndSmallModelsCostLittleMore) {
 }
 
 TEST(SplitCodec, ModelsSurviveSerialisationAndNoTruncationPasses) {
-  const SplitModel model = modelOf(forestOf(primitives::icosphere(4)));
-  const auto bytes = serializeSplitModel(model);
-  const auto back = parseSplitModel(bytes);
-  ASSERT_TRUE(back);
-  EXPECT_EQ(back->probabilities, model.probabilities);
-  EXPECT_EQ(back->weights, model.weights);
-  for (std::size_t cut = 0; cut < bytes.size(); ++cut) {
-    EXPECT_FALSE(parseSplitModel(std::span(bytes).first(cut))) << cut;
+  for (const Placement placement : kPlacements) {
+    const SplitModel model = modelOf(forestOf(primitives::icosphere(4), placement));
+    EXPECT_EQ(model.placement, placement);
+    const auto bytes = serializeSplitModel(model);
+    const auto back = parseSplitModel(bytes, placement);
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->probabilities, model.probabilities);
+    EXPECT_EQ(back->weights, model.weights);
+    EXPECT_EQ(back->moveWeights, model.moveWeights);
+    for (std::size_t cut = 0; cut < bytes.size(); ++cut) {
+      EXPECT_FALSE(parseSplitModel(std::span(bytes).first(cut), placement)) << cut;
+    }
+    const bool moves = placement == Placement::kVolume;
+    EXPECT_FALSE(parseSplitModel(bytes, moves ? Placement::kSubset : Placement::kVolume));
   }
+}
+
+bool mayApply(const SplitForest& forest, const ActiveMesh& active, VertexId v) {
+  bool may = true;
+  forest.forEachPrerequisite(v, [&](VertexId w) { may = may && active.holds(w); });
+  return may;
 }
 
 // What a level run's names depend on must not depend on what finer splits a client has besides.
 TEST(SplitCodec, FrontClassesAreTheSameWhateverElseIsHeld) {
   Rng rng(5);
-  for (const TriangleMesh& shape : shapes()) {
-    const SplitForest forest = forestOf(shape);
+  for (const SplitForest& forest : forests()) {
     const LevelFronts fronts = frontsOf(forest);
     for (std::uint32_t level = 1; level < forest.levelCount(); ++level) {
       ActiveMesh active = baseOf(forest);
@@ -243,9 +262,7 @@ TEST(SplitCodec, FrontClassesAreTheSameWhateverElseIsHeld) {
         ASSERT_TRUE(active.apply(forest.split(v)));
       EXPECT_EQ(*frontClasses(active, level), fronts[level]);
       for (VertexId v = forest.levelBegin[level]; v < forest.vertexCount(); ++v) {
-        const auto held = [&](VertexId w) { return active.holds(w); };
-        if (rng.below(3) == 0 || !held(forest.parent(v))) continue;
-        if (std::ranges::all_of(forest.ring(v), held)) {
+        if (rng.below(3) != 0 && mayApply(forest, active, v)) {
           ASSERT_TRUE(active.apply(forest.split(v)));
         }
       }
@@ -259,7 +276,7 @@ TEST(SplitCodec, FrontClassesAreTheSameWhateverElseIsHeld) {
 
 // A client that was sent finer splits for a view can still take whole levels.
 TEST(SplitCodec, LevelRunsDecodeBesideFinerSplits) {
-  const SplitForest forest = forestOf(primitives::bumpySphere(4, 3));
+  const SplitForest forest = forestOf(primitives::bumpySphere(4, 3), Placement::kVolume);
   const LevelFronts fronts = frontsOf(forest);
   const SplitModel model = trainSplitModel(forest, fronts);
   ActiveMesh active = baseOf(forest);
@@ -274,12 +291,16 @@ TEST(SplitCodec, LevelRunsDecodeBesideFinerSplits) {
   EXPECT_FALSE(decoder.decode(second, active));
   ASSERT_TRUE(decoder.decode(first, active));
   for (VertexId v = forest.levelBegin[level + 1]; v < forest.vertexCount(); ++v) {
-    const auto held = [&](VertexId w) { return active.holds(w); };
-    if (held(forest.parent(v)) && std::ranges::all_of(forest.ring(v), held)) {
+    if (mayApply(forest, active, v)) {
       ASSERT_TRUE(active.apply(forest.split(v)));
     }
   }
   ASSERT_TRUE(SplitDecoder(model).decode(second, active));
+  for (VertexId v = forest.levelBegin[level + 1]; v < forest.vertexCount(); ++v) {
+    if (!active.holds(v)) {
+      ASSERT_TRUE(active.apply(forest.split(v)));
+    }
+  }
   expectEqualSoFar(forest, active);
 }
 
@@ -309,13 +330,18 @@ TEST(SplitCodec, DamagedLevelRunsLeaveAValidMesh) {
 
 // Whatever the bytes: an error or a valid mesh, never anything else.
 TEST(SplitCodec, DamagedRunsLeaveAValidMesh) {
-  const SplitForest forest = forestOf(primitives::torusKnot(2, 3, 120, 10));
-  const SplitModel model = modelOf(forest);
-  const auto bytes = encodeSplits(forest, model, allSplits(forest));
+  const TriangleMesh knot = primitives::torusKnot(2, 3, 120, 10);
+  const std::array<SplitForest, 2> both = {forestOf(knot), forestOf(knot, Placement::kVolume)};
+  const std::array<SplitModel, 2> models = {modelOf(both[0]), modelOf(both[1])};
+  const std::array<std::vector<std::uint8_t>, 2> bytes = {
+      encodeSplits(both[0], models[0], allSplits(both[0])),
+      encodeSplits(both[1], models[1], allSplits(both[1]))};
   Rng rng(23);
-  for (int run = 0; run < 400; ++run) {
-    auto damaged = bytes;
-    if (run % 2 == 0) {
+  for (int run = 0; run < 600; ++run) {
+    const SplitForest& forest = both[static_cast<std::size_t>(run % 2)];
+    const SplitModel& model = models[static_cast<std::size_t>(run % 2)];
+    auto damaged = bytes[static_cast<std::size_t>(run % 2)];
+    if (run / 2 % 2 == 0) {
       damaged.resize(rng.below(static_cast<std::uint32_t>(damaged.size())));
     }
     for (int i = 0; i < 3 && !damaged.empty(); ++i) {
@@ -333,12 +359,14 @@ TEST(SplitCodec, DamagedRunsLeaveAValidMesh) {
 }
 
 TEST(SplitCodec, EveryTruncationIsAnError) {
-  const SplitForest forest = forestOf(primitives::icosphere(3));
-  const SplitModel model = modelOf(forest);
-  const auto bytes = encodeSplits(forest, model, allSplits(forest));
-  for (std::size_t cut = 0; cut < bytes.size(); ++cut) {
-    ActiveMesh active = baseOf(forest);
-    EXPECT_FALSE(SplitDecoder(model).decode(std::span(bytes).first(cut), active)) << cut;
+  for (const Placement placement : kPlacements) {
+    const SplitForest forest = forestOf(primitives::icosphere(3), placement);
+    const SplitModel model = modelOf(forest);
+    const auto bytes = encodeSplits(forest, model, allSplits(forest));
+    for (std::size_t cut = 0; cut < bytes.size(); ++cut) {
+      ActiveMesh active = baseOf(forest);
+      EXPECT_FALSE(SplitDecoder(model).decode(std::span(bytes).first(cut), active)) << cut;
+    }
   }
 }
 

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <tuple>
 
 namespace limn {
 namespace {
@@ -40,13 +41,10 @@ class Legality {
         built_(forest.vertexCount(), 0),
         held_(forest.vertexCount(), false) {
     for (VertexId v = forest.baseVertexCount(); v < forest.vertexCount(); ++v) {
-      const auto require = [&](VertexId w) {
+      forest.forEachPrerequisite(v, [&](VertexId w) {
         dependents_[w].push_back(v);
         if (w >= forest.baseVertexCount()) ++missing_[v];
-      };
-      require(forest.parent(v));
-      for (const VertexId w : forest.ring(v))
-        require(w);
+      });
     }
   }
 
@@ -60,9 +58,7 @@ class Legality {
     held_[v] = held;
     for (const VertexId w : dependents_[v])
       missing_[w] += held ? -1 : 1;
-    built_[forest_.parent(v)] += held ? 1 : -1;
-    for (const VertexId w : forest_.ring(v))
-      built_[w] += held ? 1 : -1;
+    forest_.forEachPrerequisite(v, [&](VertexId w) { built_[w] += held ? 1 : -1; });
   }
 
  private:
@@ -75,16 +71,17 @@ class Legality {
 
 bool sameSplit(const VertexSplit& a, const VertexSplit& b) {
   return a.vertex == b.vertex && a.parent == b.parent && a.left == b.left && a.right == b.right &&
-         a.position == b.position && a.features == b.features && a.seams == b.seams &&
-         a.attributes == b.attributes;
+         a.position == b.position && a.parentMove == b.parentMove && a.features == b.features &&
+         a.seams == b.seams && a.attributes == b.attributes;
 }
 
-class Undo : public testing::TestWithParam<std::size_t> {
+class Undo : public testing::TestWithParam<std::tuple<std::size_t, Placement>> {
  protected:
   void SetUp() override {
     ForestOptions options;
     options.baseFaces = 40;
-    auto built = buildForest(shapes()[GetParam()].mesh, options);
+    options.placement = std::get<1>(GetParam());
+    auto built = buildForest(shapes()[std::get<0>(GetParam())].mesh, options);
     ASSERT_TRUE(built) << built.error().message;
     built_ = std::move(*built);
   }
@@ -110,7 +107,7 @@ TEST_P(Undo, AnyLegalHistoryLeavesTheMeshOfWhatIsHeld) {
   const std::uint32_t base = forest().baseVertexCount();
   const std::uint32_t splits = forest().splitCount();
   if (splits == 0) return;
-  Rng rng(GetParam() + 40);
+  Rng rng(std::get<0>(GetParam()) + 40);
   Legality state(forest());
   ActiveMesh active = baseMeshOf(forest());
   std::uint32_t undone = 0;
@@ -146,7 +143,7 @@ TEST_P(Undo, AnyLegalHistoryLeavesTheMeshOfWhatIsHeld) {
 }
 
 TEST_P(Undo, EverythingUndoneIsTheBaseMeshAndEverythingRedoneTheWholeOne) {
-  Rng rng(GetParam());
+  Rng rng(std::get<0>(GetParam()));
   const CanonicalMesh baseMesh = canonicalOf(baseMeshOf(forest()));
   ActiveMesh active = baseMeshOf(forest());
   const auto order = randomLegalOrder(forest(), rng, OrderKind::kDepthFirst);
@@ -170,7 +167,7 @@ TEST_P(Undo, EverythingUndoneIsTheBaseMeshAndEverythingRedoneTheWholeOne) {
 
 // Whatever is undone, legally or not, the mesh stays a manifold, and a refusal changes nothing.
 TEST_P(Undo, WhatIsNotLegalLeavesAManifold) {
-  Rng rng(GetParam() + 7);
+  Rng rng(std::get<0>(GetParam()) + 7);
   ActiveMesh active = baseMeshOf(forest());
   for (VertexId v = forest().baseVertexCount(); v < forest().vertexCount(); ++v)
     ASSERT_TRUE(active.apply(forest().split(v)));
@@ -196,9 +193,18 @@ TEST_P(Undo, WhatIsNotLegalLeavesAManifold) {
   EXPECT_GT(refused, 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, Undo, testing::Range<std::size_t>(0, 7), [](const auto& shape) {
-  return std::string(shapes()[shape.param].name);
-});
+std::string nameOf(const testing::TestParamInfo<Undo::ParamType>& info) {
+  const bool moves = std::get<1>(info.param) == Placement::kVolume;
+  return shapes()[std::get<0>(info.param)].name + std::string(moves ? "Volume" : "");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Shapes,
+    Undo,
+    testing::Combine(
+        testing::Range<std::size_t>(0, 7),
+        testing::Values(Placement::kSubset, Placement::kVolume)),
+    nameOf);
 
 // A server that announces the largest model there may be, and sends a tetrahedron.
 TEST(ActiveMeshMemory, FollowsWhatIsHeldNotWhatIsAnnounced) {

@@ -100,6 +100,7 @@ void recordSplits(
     if (collapse.seams != 0) forest.seams[s] = collapse.seams;
     forest.features[s] = collapse.features | (level->isPath[i] ? kSplitParentOnBorder : 0);
     forest.bounds[s] = level->bounds[i];
+    if (!forest.moves.by.empty()) forest.moves.by[s] = level->moves[i];
     forest.ringBegin.push_back(static_cast<std::uint32_t>(forest.rings.size()));
   }
 }
@@ -175,7 +176,10 @@ Result<BuiltForest> buildForest(
   for (const glm::uvec3& t : mesh.triangles)
     forest.triangles.emplace_back(id[t.x], id[t.y], id[t.z]);
   if (hasSeams) forest.seams.assign(forest.splitCount(), 0);
+  if (options.placement == Placement::kVolume)
+    forest.moves.by.assign(forest.splitCount(), glm::ivec3(0));
   recordSplits(builder, id, forest);
+  forest.deriveMoves();
 
   if (mesh.attributes.kinds() != 0) {
     const auto bare = encodeDraco({base.grid, base.positions, base.triangles, {}});

@@ -16,6 +16,7 @@ namespace limn {
 struct ForestOptions {
   std::uint32_t baseFaces = 800;  // stop at this many faces, or where no collapse is left
   CollapseCost cost = CollapseCost::kMemoryless;  // README.md has the comparison
+  Placement placement = Placement::kSubset;       // … and of this
   double creaseAngleDegrees = 40.0;               // edges whose faces differ by more are creases
   unsigned threads = 2;                           // the result does not depend on it
 };

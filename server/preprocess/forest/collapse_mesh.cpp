@@ -27,12 +27,21 @@ glm::dvec3 CollapseMesh::areaNormal(std::uint32_t a, std::uint32_t b, std::uint3
   return glm::cross(glm::dvec3(positions_[b]) - p, glm::dvec3(positions_[c]) - p);
 }
 
-bool CollapseMesh::turnsFace(std::uint32_t v, std::uint32_t u, double leastNormalCosine) const {
+glm::dvec3 CollapseMesh::areaNormal(const glm::ivec3& at, std::uint32_t b, std::uint32_t c) const {
+  const glm::dvec3 p(at);
+  return glm::cross(glm::dvec3(positions_[b]) - p, glm::dvec3(positions_[c]) - p);
+}
+
+bool CollapseMesh::turnsFace(
+    std::uint32_t v,
+    std::uint32_t u,
+    const glm::ivec3& position,
+    double leastNormalCosine) const {
   bool turns = false;
   forEachFace(v, [&](HalfEdgeId, std::uint32_t a, std::uint32_t b) {
     if (turns || a == u || b == u) return;
     const glm::dvec3 before = areaNormal(v, a, b);
-    const glm::dvec3 after = areaNormal(u, a, b);
+    const glm::dvec3 after = areaNormal(position, a, b);
     const double lengths2 = glm::dot(before, before) * glm::dot(after, after);
     // A face that has no area already cannot get worse; one that would lose its area may not.
     turns = lengths2 > 0.0 ? glm::dot(before, after) < leastNormalCosine * std::sqrt(lengths2)
@@ -41,9 +50,12 @@ bool CollapseMesh::turnsFace(std::uint32_t v, std::uint32_t u, double leastNorma
   return turns;
 }
 
-std::optional<HalfEdgeCollapse>
-CollapseMesh::plan(std::uint32_t v, std::uint32_t u, double leastNormalCosine) const {
-  HalfEdgeCollapse result{.removed = v, .kept = u};
+std::optional<HalfEdgeCollapse> CollapseMesh::plan(
+    std::uint32_t v,
+    std::uint32_t u,
+    const glm::ivec3& position,
+    double leastNormalCosine) const {
+  HalfEdgeCollapse result{.removed = v, .kept = u, .position = position};
   const HalfEdgeId vu = mesh_.find(v, u);
   const HalfEdgeId uv = vu != kNone ? mesh_.twin(vu) : mesh_.find(u, v);
   if (vu == kNone && uv == kNone) return std::nullopt;
@@ -76,7 +88,9 @@ CollapseMesh::plan(std::uint32_t v, std::uint32_t u, double leastNormalCosine) c
     mesh_.ring(side, ringSide);
     if (wouldStarve(side, ringSide.size() - 1)) return std::nullopt;
   }
-  if (turnsFace(v, u, leastNormalCosine)) return std::nullopt;
+  if (turnsFace(v, u, position, leastNormalCosine)) return std::nullopt;
+  if (position != positions_[u] && turnsFace(u, v, position, leastNormalCosine))
+    return std::nullopt;
 
   const auto note = [&](HalfEdgeId h, SplitFeature bit) {
     if (h == kNone) return;
@@ -140,6 +154,7 @@ void CollapseMesh::collapse(const HalfEdgeCollapse& collapse) {
   for (const HalfEdgeId h : fan)
     mesh_.origins[h] = u;
   mesh_.outgoing[v] = kNone;
+  positions_[u] = collapse.position;
 
   HalfEdgeId merged[2] = {kNone, kNone};
   for (int i = 0; i < 2; ++i) {

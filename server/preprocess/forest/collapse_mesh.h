@@ -13,13 +13,14 @@
 
 namespace limn {
 
-/// A half-edge collapse v → u [Hoppe96]: u keeps its place. The sides are the third corners of the
-/// one or two faces that vanish; kNone on a border.
+/// A half-edge collapse v → u [Hoppe96]: u stays, where it stood or elsewhere. The sides are the
+/// third corners of the one or two faces that vanish; kNone on a border.
 struct HalfEdgeCollapse {
   std::uint32_t removed = kNone;  // v
   std::uint32_t kept = kNone;     // u
   std::uint32_t left = kNone;     // l: around u counter-clockwise come l, v, r
   std::uint32_t right = kNone;    // r
+  glm::ivec3 position{0};         // of u afterwards
   std::uint8_t features = 0;      // SplitFeature bits of the creases before the collapse
   std::uint8_t seams = 0;         // and of the seams
   std::size_t ringSize = 0;       // neighbours of u after the collapse
@@ -34,11 +35,15 @@ class CollapseMesh {
       const TriangleMesh& mesh,
       std::vector<std::uint8_t> features);
 
-  /// The collapse v → u of the edge between them, if it keeps the mesh a simple manifold: the link
-  /// condition [Dey99, "Topology preserving edge contraction"], border rules, no face that turns by
-  /// more than leastNormalCosine says. nullopt otherwise. Cost: O(valence of both).
-  [[nodiscard]] std::optional<HalfEdgeCollapse>
-  plan(std::uint32_t v, std::uint32_t u, double leastNormalCosine) const;
+  /// The collapse v → u of the edge between them that leaves u at `position`, if it keeps the mesh
+  /// a simple manifold: the link condition [Dey99, "Topology preserving edge contraction"], border
+  /// rules, no face that turns by more than leastNormalCosine says. nullopt otherwise.
+  /// Cost: O(valence of both).
+  [[nodiscard]] std::optional<HalfEdgeCollapse> plan(
+      std::uint32_t v,
+      std::uint32_t u,
+      const glm::ivec3& position,
+      double leastNormalCosine) const;
 
   /// Carries out a collapse that plan() returned and nothing has touched since.
   void collapse(const HalfEdgeCollapse& collapse);
@@ -70,9 +75,16 @@ class CollapseMesh {
 
   /// Twice the area times the unit normal, exact.
   [[nodiscard]] glm::dvec3 areaNormal(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
+  /// The same with another place for the first corner.
+  [[nodiscard]] glm::dvec3 areaNormal(const glm::ivec3& at, std::uint32_t b, std::uint32_t c) const;
 
  private:
-  [[nodiscard]] bool turnsFace(std::uint32_t v, std::uint32_t u, double leastNormalCosine) const;
+  /// Whether a face of v without u turns too far when v goes to `position`.
+  [[nodiscard]] bool turnsFace(
+      std::uint32_t v,
+      std::uint32_t u,
+      const glm::ivec3& position,
+      double leastNormalCosine) const;
   HalfEdgeId removeFace(HalfEdgeId inner);
   void settleOutgoing(std::uint32_t v, HalfEdgeId any);
 

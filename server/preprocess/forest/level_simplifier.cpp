@@ -4,7 +4,7 @@
 //   H. Hoppe, "Progressive meshes", SIGGRAPH 1996;
 //   M. Garland, P. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997.
 // Ours: collapses come in levels of independent sets, packed tightly so that levels are few and
-// prerequisites shallow, and the survivor of a collapse keeps its place.
+// prerequisites shallow, and the survivor of a collapse keeps its place unless placement moves it.
 #include "server/preprocess/forest/level_simplifier.h"
 
 #include "server/preprocess/forest/parallel.h"
@@ -49,7 +49,7 @@ LevelSimplifier::LevelSimplifier(CollapseMesh mesh, const ForestOptions& options
     : mesh_(std::move(mesh)),
       options_(options),
       costs_(options.cost, mesh_),
-      bounds_(mesh_),
+      bounds_(mesh_, options.placement),
       queue_(vertexCount()),
       lockedIn_(vertexCount(), 0),
       parentIn_(vertexCount(), 0),
@@ -57,6 +57,7 @@ LevelSimplifier::LevelSimplifier(CollapseMesh mesh, const ForestOptions& options
       ancestor_(vertexCount()) {
   std::iota(ancestor_.begin(), ancestor_.end(), 0U);
   present_ = ancestor_;
+  if (options_.placement == Placement::kVolume) full_ = mesh_.positions();
 }
 
 std::uint32_t LevelSimplifier::vertexCount() const {
@@ -105,8 +106,14 @@ double LevelSimplifier::smallEdge2() const {
 // The cheapest collapse of v that is allowed now; parents used in this level do not count.
 std::optional<HalfEdgeCollapse>
 LevelSimplifier::bestCollapse(std::uint32_t v, const CollapseLimits& limits, double* cost) const {
+  struct Target {
+    double cost;
+    std::uint32_t parent;
+    glm::ivec3 position;  // of the parent afterwards
+  };
+
   thread_local std::vector<std::uint32_t> ring;
-  thread_local std::vector<std::pair<double, std::uint32_t>> targets;
+  thread_local std::vector<Target> targets;
   mesh_.mesh().ring(v, ring);
   if (ring.empty() || ring.size() > limits.removedValence) return std::nullopt;
   targets.clear();
@@ -114,12 +121,19 @@ LevelSimplifier::bestCollapse(std::uint32_t v, const CollapseLimits& limits, dou
   bool isSmall = true;
   for (const std::uint32_t u : ring) {
     isSmall = isSmall && squaredEdge(v, u) < smallEdge2_;
-    if (parentIn_[u] != stamp_) targets.emplace_back(costs_.cost(mesh_, vertexCost, u), u);
+    if (parentIn_[u] == stamp_) continue;
+    targets.push_back({costs_.cost(mesh_, vertexCost, u), u, mesh_.positions()[u]});
+    if (options_.placement == Placement::kSubset) continue;
+    const auto placed = costs_.place(mesh_, vertexCost, costs_.formsAround(mesh_, u));
+    if (placed) targets.push_back({placed->cost, u, placed->position});
   }
-  std::sort(targets.begin(), targets.end());
+  // Of each parent at one cost the place it has comes first.
+  std::stable_sort(targets.begin(), targets.end(), [](const Target& a, const Target& b) {
+    return a.cost != b.cost ? a.cost < b.cost : a.parent < b.parent;
+  });
   const double leastCosine = isSmall ? kStages.back().leastNormalCosine : limits.leastNormalCosine;
-  for (const auto& [targetCost, u] : targets) {
-    const auto collapse = mesh_.plan(v, u, leastCosine);
+  for (const auto& [targetCost, u, position] : targets) {
+    const auto collapse = mesh_.plan(v, u, position, leastCosine);
     if (!collapse || collapse->ringSize > limits.keptValence) continue;
     *cost = targetCost;
     return collapse;
@@ -205,6 +219,7 @@ void LevelSimplifier::collapseIfAllowed(
   sides_[collapse->kept] = {collapse->left, collapse->right};
   level.bounds.push_back(bounds_.beforeCollapse(mesh_, *collapse));
   level.collapses.push_back(*collapse);
+  level.moves.push_back(mesh_.positions()[collapse->kept] - collapse->position);
   mesh_.collapse(*collapse);
   costs_.collapsed(*collapse);
   ancestor_[v] = collapse->kept;
@@ -257,10 +272,11 @@ LevelSummary LevelSimplifier::summary() {
       a = ancestor_[a];
     ancestor_[v] = a == v ? v : a;  // a shorter way next time; only "is it itself" matters else
     const auto at = [&](std::uint32_t x) { return glm::dvec3(mesh_.positions()[x]); };
-    double best = glm::dot(at(v) - at(a), at(v) - at(a));
+    const glm::dvec3 sample(full_.empty() ? mesh_.positions()[v] : full_[v]);
+    double best = glm::dot(sample - at(a), sample - at(a));
     mesh_.forEachFace(a, [&](HalfEdgeId, std::uint32_t b, std::uint32_t c) {
       if (best == 0.0) return;
-      const glm::dvec3 offset = closestPointOnTriangle(at(v), at(a), at(b), at(c)) - at(v);
+      const glm::dvec3 offset = closestPointOnTriangle(sample, at(a), at(b), at(c)) - sample;
       best = std::min(best, glm::dot(offset, offset));
     });
     sum += best;

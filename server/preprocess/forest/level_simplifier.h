@@ -22,7 +22,8 @@ struct CollapseLevel {
   std::vector<std::uint32_t> ringBegin;  // parallel, + 1
   std::vector<std::uint32_t> rings;      // of the kept vertex after the whole level
   std::vector<bool> isPath;              // parallel: the kept vertex is on a border
-  LevelSummary finer;                    // the mesh that the level's splits lead to
+  std::vector<glm::ivec3> moves;  // parallel: where kept vertices stood, less where they stand
+  LevelSummary finer;             // the mesh that the level's splits lead to
 };
 
 /// What a collapse may do. Splits of low valence code well, faces that turn little keep contours
@@ -76,6 +77,7 @@ class LevelSimplifier {
   [[nodiscard]] LevelSummary summary();
 
   CollapseMesh mesh_;
+  std::vector<glm::ivec3> full_;  // positions before any collapse; empty where none moves anything
   ForestOptions options_;
   CostModel costs_;
   BoundsGatherer bounds_;

@@ -17,8 +17,8 @@ namespace limn {
 /// hangs below each vertex, how far the surface has moved there, which way it faces.
 class BoundsGatherer {
  public:
-  /// mesh: the full mesh, before any collapse.
-  explicit BoundsGatherer(const CollapseMesh& mesh);
+  /// mesh: the full mesh, before any collapse. placement: of the collapses to come.
+  BoundsGatherer(const CollapseMesh& mesh, Placement placement);
 
   /// Bounds of the split that undoes `collapse`; to be called just before it is carried out.
   /// Cost: O(valence).
@@ -34,7 +34,9 @@ class BoundsGatherer {
     NormalCone cone;
   };
 
+  Placement placement_;
   std::vector<Subtree> subtrees_;
+  std::vector<Subtree> stars_;  // of the full mesh's faces around each vertex, wherever it is now
 };
 
 }  // namespace limn

@@ -112,6 +112,9 @@ std::vector<Sample> samples() {
   info.hull.reset();
   info.attributes = 7;
   add("model_info_attributes.bin", Sender::kServer, info);
+  info.attributes = 0;
+  info.placement = 1;
+  add("model_info_placement.bin", Sender::kServer, info);
   const Bytes attributes = Bytes(payload).first(7);
   add("level_block_attributes.bin", Sender::kServer, LevelBlock{3, 1, payload, attributes});
   add("packet_attributes.bin", Sender::kServer, Packet{3, 77, payload, attributes});

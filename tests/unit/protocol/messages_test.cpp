@@ -176,6 +176,7 @@ TEST(Messages, ModelInfosThatPromiseNonsenseAreRefused) {
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.gridStep = 0.0; }));
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.gridStep = HUGE_VAL; }));
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.gridBits = 19; }));
+  EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.placement = 2; }));
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.radius = -1.0; }));
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.name = "a/b"; }));
   EXPECT_TRUE(refusesWith([](ModelInfo& m) { m.levelBegin.assign(70, 1); }));

@@ -14,9 +14,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::span<const std::uint8_t> bytes(data + 1, size - 1);
   switch (data[0] % 4) {
     case 0: {
-      const auto model = limn::parseSplitModel(bytes);
-      if (model && limn::parseSplitModel(limn::serializeSplitModel(*model))->probabilities !=
-                       model->probabilities) {
+      const auto placement = static_cast<limn::Placement>(data[0] / 4 % 2);
+      const auto model = limn::parseSplitModel(bytes, placement);
+      if (model &&
+          limn::parseSplitModel(limn::serializeSplitModel(*model), placement)->probabilities !=
+              model->probabilities) {
         std::abort();
       }
       break;

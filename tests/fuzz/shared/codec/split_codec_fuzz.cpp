@@ -21,9 +21,13 @@ limn::ActiveMesh freshMesh() {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  limn::ActiveMesh mesh = freshMesh();
-  const auto count = limn::SplitDecoder(limn::defaultSplitModel()).decode({data, size}, mesh);
-  if (count && mesh.splitsHeld() != *count) std::abort();
-  if (!limn::validate(mesh.mesh())) std::abort();
+  for (const auto placement : {limn::Placement::kSubset, limn::Placement::kVolume}) {
+    limn::ActiveMesh mesh = freshMesh();
+    limn::SplitModel model = limn::defaultSplitModel();
+    model.placement = placement;
+    const auto count = limn::SplitDecoder(model).decode({data, size}, mesh);
+    if (count && mesh.splitsHeld() != *count) std::abort();
+    if (!limn::validate(mesh.mesh())) std::abort();
+  }
   return 0;
 }

@@ -96,11 +96,7 @@ Tally expectNothingLost(const corpus::Mesh& subject, int viewCount) {
   EXPECT_TRUE(built) << subject.name;
   if (!built) return tally;
   const SplitForest& forest = built->forest;
-  TriangleMesh base{forest.grid, {}, forest.baseTriangles};
-  base.positions.assign(
-      forest.positions.begin(),
-      forest.positions.begin() + forest.baseVertexCount());
-  auto active = ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
+  auto active = ActiveMesh::fromBase(forest.levelBegin, forest.baseMesh(), forest.baseFeatures);
   EXPECT_TRUE(active) << subject.name;
   if (!active) return tally;
   Rng rng(3);

@@ -27,11 +27,7 @@ inline std::vector<std::uint32_t> sorted(const SilhouetteResult& result) {
 class Wanderer {
  public:
   Wanderer(const SplitForest& forest, std::uint64_t seed) : forest_(&forest), rng_(seed) {
-    TriangleMesh base{forest.grid, {}, forest.baseTriangles};
-    base.positions.assign(
-        forest.positions.begin(),
-        forest.positions.begin() + forest.baseVertexCount());
-    mesh_ = *ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
+    mesh_ = *ActiveMesh::fromBase(forest.levelBegin, forest.baseMesh(), forest.baseFeatures);
     order_ = randomLegalOrder(forest, rng_, OrderKind::kDepthFirst);
   }
 

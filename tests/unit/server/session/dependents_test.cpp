@@ -39,9 +39,7 @@ TEST(Dependents, KeepNoMoreThanWhatIsLeftNeeds) {
           if (!left.holds(w)) changed = true;
           left.add(w);
         };
-        need(forest.parent(v));
-        for (const VertexId w : forest.ring(v))
-          need(w);
+        forest.forEachPrerequisite(v, need);
       }
     }
     std::vector<VertexId> expected;

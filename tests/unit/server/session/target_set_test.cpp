@@ -25,6 +25,11 @@ const std::shared_ptr<const Model>& grid() {
   return model;
 }
 
+const std::shared_ptr<const Model>& placed() {
+  static const auto model = modelOf(primitives::bumpySphere(4, 3), 1, 60, Placement::kVolume);
+  return model;
+}
+
 std::vector<glm::dvec3> directions() {
   return {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}, {-1, 2, 0.5}, {3, 1, -2}};
 }
@@ -53,28 +58,41 @@ void needs(const SplitForest& forest, VertexId v, std::uint8_t as, std::vector<s
   if (v < forest.baseVertexCount() || out[v - forest.baseVertexCount()] <= as) return;
   out[v - forest.baseVertexCount()] = as;
   needs(forest, forest.parent(v), as, out);
-  for (const VertexId w : forest.ring(v))
+  const VertexId level = forest.levelBegin[forest.levelOf(v)];
+  const auto stand = [&](VertexId x) {
+    // Whatever moved it before this level.
+    for (VertexId w = forest.baseVertexCount(); w < level; ++w) {
+      if (forest.parent(w) == x && forest.split(w).parentMove != glm::ivec3(0))
+        needs(forest, w, as, out);
+    }
+  };
+  if (forest.placement() == Placement::kVolume) stand(forest.parent(v));
+  for (const VertexId w : forest.ring(v)) {
     needs(forest, w, as, out);
+    if (forest.placement() == Placement::kVolume) stand(w);
+  }
 }
 
 TEST(TargetSet, ClosureIsWhatTheDefinitionSays) {
-  const SplitForest& forest = bumpy()->forest();
-  for (const glm::dvec3& direction : directions()) {
-    const View view = viewOfPose(poseAt(bumpy()->info(), direction), forest.grid);
-    const auto own = classifySplits(forest, view, bumpy()->smoothCones());
-    std::vector<std::uint8_t> slow(own.size(), kNotNeeded);
-    for (std::size_t s = 0; s < own.size(); ++s) {
-      if (own[s] != kNotNeeded) {
-        needs(forest, static_cast<VertexId>(s) + forest.baseVertexCount(), own[s], slow);
+  for (const auto& model : {bumpy(), placed()}) {
+    const SplitForest& forest = model->forest();
+    for (const glm::dvec3& direction : directions()) {
+      const View view = viewOfPose(poseAt(model->info(), direction), forest.grid);
+      const auto own = classifySplits(forest, view, model->smoothCones());
+      std::vector<std::uint8_t> slow(own.size(), kNotNeeded);
+      for (std::size_t s = 0; s < own.size(); ++s) {
+        if (own[s] != kNotNeeded) {
+          needs(forest, static_cast<VertexId>(s) + forest.baseVertexCount(), own[s], slow);
+        }
       }
+      EXPECT_EQ(closeOverPrerequisites(forest, own), slow);
+      EXPECT_EQ(classesOf(forest, selectForView(forest, view, model->smoothCones())), slow);
     }
-    EXPECT_EQ(closeOverPrerequisites(forest, own), slow);
-    EXPECT_EQ(classesOf(forest, selectForView(forest, view, bumpy()->smoothCones())), slow);
   }
 }
 
 TEST(TargetSet, EveryPrefixOfTheOrderIsClosed) {
-  for (const auto& model : {bumpy(), grid()}) {
+  for (const auto& model : {bumpy(), grid(), placed()}) {
     const SplitForest& forest = model->forest();
     for (const glm::dvec3& direction : directions()) {
       const View view = viewOfPose(poseAt(model->info(), direction), forest.grid);
@@ -87,9 +105,9 @@ TEST(TargetSet, EveryPrefixOfTheOrderIsClosed) {
         if (ids.empty()) break;
         EXPECT_TRUE(std::ranges::is_sorted(ids));
         for (const VertexId v : ids) {
-          ASSERT_TRUE(have.holds(forest.parent(v))) << "split " << v << " before its parent";
-          for (const VertexId w : forest.ring(v))
+          forest.forEachPrerequisite(v, [&](VertexId w) {
             ASSERT_TRUE(have.holds(w)) << "split " << v << " before " << w;
+          });
           ASSERT_FALSE(have.holds(v)) << "twice";
           have.add(v);
           ++total;
@@ -212,12 +230,13 @@ TEST(TargetSet, FinerBoundsNeedMore) {
 
 /// Slow oracle of `exact`: silhouettes found from the definition, face by face, in double.
 TEST(ExactSet, NeedsBothFacesOfEverySilhouetteEdge) {
-  const SplitForest& forest = bumpy()->forest();
-  for (const glm::dvec3& direction : directions()) {
-    protocol::Pose pose = poseAt(bumpy()->info(), direction, 2.0);
+  for (std::size_t i = 0; i < 2 * directions().size(); ++i) {
+    const Model& model = i % 2 == 0 ? *bumpy() : *placed();
+    const SplitForest& forest = model.forest();
+    protocol::Pose pose = poseAt(model.info(), directions()[i / 2], 2.0);
     pose.silhouette = protocol::Silhouette::kEdges;
     const View view = viewOfPose(pose, forest.grid);
-    const TargetSet set = selectExact(*bumpy()->fullMesh(), view);
+    const TargetSet set = selectExact(*model.fullMesh(), view);
     HaveSet have = baseOf(forest);
     ScheduleCursor cursor;
     for (const VertexId v : nextSplits(set, have, forest.splitCount(), cursor))
@@ -244,6 +263,9 @@ TEST(ExactSet, NeedsBothFacesOfEverySilhouetteEdge) {
       for (const std::size_t face : {f, g}) {
         for (int k = 0; k < 3; ++k)
           ASSERT_TRUE(have.holds(forest.triangles[face][k]));
+        forest.forEachSplitOfFace(forest.triangles[face], [&](VertexId v) {
+          ASSERT_TRUE(have.holds(v)) << "a corner that will still move";
+        });
       }
     }
     EXPECT_GT(edges, 20U);
@@ -303,9 +325,7 @@ TEST(Scheduler, RandomOrderIsLegalCompleteAndNotTheOrderOfIds) {
     ASSERT_FALSE(ids.empty());
     jumped = jumped || ids.front() < highest;
     for (const VertexId v : ids) {
-      ASSERT_TRUE(have.holds(forest.parent(v)));
-      for (const VertexId w : forest.ring(v))
-        ASSERT_TRUE(have.holds(w));
+      forest.forEachPrerequisite(v, [&](VertexId w) { ASSERT_TRUE(have.holds(w)); });
       have.add(v);
       highest = std::max(highest, v);
     }

@@ -58,9 +58,13 @@ class MemoryAsset final : public Asset {
   std::string report_ = R"({"asset_format":)" + std::to_string(protocol::kAssetFormat) + "}";
 };
 
-inline BuiltForest builtForestOf(const TriangleMesh& mesh, std::uint32_t baseFaces) {
+inline BuiltForest builtForestOf(
+    const TriangleMesh& mesh,
+    std::uint32_t baseFaces,
+    Placement placement = Placement::kSubset) {
   ForestOptions options;
   options.baseFaces = baseFaces;
+  options.placement = placement;
   options.threads = 1;
   auto built = buildForest(mesh, options);
   EXPECT_TRUE(built) << built.error().message;
@@ -73,8 +77,9 @@ inline std::shared_ptr<const Asset> memoryAssetOf(
     std::uint8_t mark,
     std::uint32_t baseFaces = 60,
     const HullSections* hulls = nullptr,
-    const MapSections* maps = nullptr) {
-  const BuiltForest built = builtForestOf(mesh, baseFaces);
+    const MapSections* maps = nullptr,
+    Placement placement = Placement::kSubset) {
+  const BuiltForest built = builtForestOf(mesh, baseFaces, placement);
   Sha256Digest id{};
   id.fill(mark);
   AssetIdentity identity{id, true};
@@ -96,9 +101,12 @@ inline std::shared_ptr<const Asset> memoryAssetOf(
   return std::make_shared<MemoryAsset>(id, std::move(parts));
 }
 
-inline std::shared_ptr<const Model>
-modelOf(const TriangleMesh& mesh, std::uint8_t mark = 1, std::uint32_t baseFaces = 60) {
-  auto model = Model::load(memoryAssetOf(mesh, mark, baseFaces));
+inline std::shared_ptr<const Model> modelOf(
+    const TriangleMesh& mesh,
+    std::uint8_t mark = 1,
+    std::uint32_t baseFaces = 60,
+    Placement placement = Placement::kSubset) {
+  auto model = Model::load(memoryAssetOf(mesh, mark, baseFaces, nullptr, nullptr, placement));
   EXPECT_TRUE(model) << model.error().message;
   return std::move(*model);
 }

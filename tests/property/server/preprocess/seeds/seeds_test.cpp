@@ -38,13 +38,7 @@ Result<SeedTable> seedsOf(const SplitForest& forest, const SeedOptions& options 
 
 // The base and the splits of the coarsest levels, up to `vertices`.
 ActiveMesh partOf(const SplitForest& forest, std::uint32_t vertices) {
-  TriangleMesh base;
-  base.grid = forest.grid;
-  base.positions.assign(
-      forest.positions.begin(),
-      forest.positions.begin() + forest.baseVertexCount());
-  base.triangles = forest.baseTriangles;
-  auto mesh = ActiveMesh::fromBase(forest.levelBegin, base, forest.baseFeatures);
+  auto mesh = ActiveMesh::fromBase(forest.levelBegin, forest.baseMesh(), forest.baseFeatures);
   EXPECT_TRUE(mesh);
   for (VertexId v = forest.baseVertexCount(); v < vertices; ++v) {
     EXPECT_TRUE(mesh->apply(forest.split(v)));

@@ -86,6 +86,67 @@ TEST(CollapseCostTest, VolumeCostIsTheFormulaOfThePaper) {
   }
 }
 
+double volumeOf(const CollapseMesh& work) {
+  double sum = 0.0;
+  for (FaceId f = 0; f < work.mesh().faceCount(); ++f) {
+    if (!work.isAlive(f)) continue;
+    const auto at = [&](HalfEdgeId k) {
+      return glm::dvec3(work.positions()[work.mesh().origin(3 * f + k)]);
+    };
+    sum += glm::dot(at(0), glm::cross(at(1), at(2))) / 6.0;
+  }
+  return sum;
+}
+
+TEST(CollapseCostTest, PlacedVerticesKeepTheVolume) {
+  const TriangleMesh mesh = primitives::bumpySphere(3, 2);
+  for (const CollapseCost kind : kCosts) {
+    const CollapseMesh work = collapsible(mesh, 179.0);
+    const CostModel model(kind, work);
+    const double before = volumeOf(work);
+    std::vector<std::uint32_t> ring;
+    int placedOnes = 0;
+    double off = 0.0;
+    double offUnplaced = 0.0;
+    for (std::uint32_t v = 0; v < mesh.positions.size(); v += 11) {
+      work.mesh().ring(v, ring);
+      const std::uint32_t u = ring.front();
+      const auto placed = model.place(work, model.around(work, v), model.formsAround(work, u));
+      const auto plain = work.plan(v, u, work.positions()[u], -1.0);
+      if (!placed || !plain) continue;
+      const auto collapse = work.plan(v, u, placed->position, -1.0);
+      ASSERT_TRUE(collapse);
+      CollapseMesh moved = work;
+      moved.collapse(*collapse);
+      CollapseMesh stayed = work;
+      stayed.collapse(*plain);
+      // Grid positions are not quite in the plane.
+      off += std::abs(volumeOf(moved) - before);
+      offUnplaced += std::abs(volumeOf(stayed) - before);
+      ++placedOnes;
+    }
+    EXPECT_GT(placedOnes, 20);
+    EXPECT_LT(off, 0.1 * offUnplaced);
+  }
+}
+
+TEST(CollapseCostTest, VerticesOnBordersAndCreasesAreNotPlaced) {
+  const CollapseMesh cube = collapsible(primitives::cube());
+  const CollapseMesh sheet = collapsible(primitives::openGrid(3, 3));
+  for (const CollapseMesh* work : {&cube, &sheet}) {
+    const CostModel model(CollapseCost::kMemoryless, *work);
+    std::vector<std::uint32_t> ring;
+    for (std::uint32_t v = 0; v < work->positions().size(); ++v) {
+      work->mesh().ring(v, ring);
+      for (const std::uint32_t u : ring) {
+        const VertexCost forms = model.formsAround(*work, u);
+        const auto placed = model.place(*work, model.around(*work, v), forms);
+        EXPECT_FALSE(placed && (forms.isOnLine || work->mesh().isBorderVertex(u)));
+      }
+    }
+  }
+}
+
 TEST(CollapseCostTest, LeavingACreaseOrBorderCostsMoreThanFollowingIt) {
   for (const CollapseCost kind : kCosts) {
     // On a flat sheet only the border can tell collapses apart.

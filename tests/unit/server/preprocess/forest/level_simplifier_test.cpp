@@ -54,7 +54,7 @@ TEST(LevelSimplifier, LevelsObeyRuleRing) {
         around.insert(ring.begin(), ring.end());
         EXPECT_TRUE(removed.insert(collapse.removed).second);
         EXPECT_TRUE(parents.insert(collapse.kept).second) << "a parent used twice";
-        ASSERT_TRUE(replay.plan(collapse.removed, collapse.kept, -1.0));
+        ASSERT_TRUE(replay.plan(collapse.removed, collapse.kept, collapse.position, -1.0));
         replay.collapse(collapse);
       }
       for (const std::uint32_t v : removed)
