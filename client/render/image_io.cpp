@@ -1,6 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/render/image_io.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+namespace {
+
+// A PNG of a few pixels may inflate to GiBs, which the library keeps before it looks.
+thread_local std::size_t mostImageBytes = SIZE_MAX;
+
+void* boundedRealloc(void* memory, std::size_t bytes) {
+  return bytes > mostImageBytes ? nullptr : std::realloc(memory, bytes);
+}
+
+}  // namespace
+
+#define STBI_MALLOC(bytes) boundedRealloc(nullptr, bytes)
+#define STBI_REALLOC(memory, bytes) boundedRealloc(memory, bytes)
+#define STBI_FREE(memory) std::free(memory)
 #define STBI_ONLY_PNG
 #define STBI_MAX_DIMENSIONS 8192
 #define STB_IMAGE_STATIC
@@ -14,7 +32,6 @@
 #pragma GCC diagnostic pop
 
 #include <algorithm>
-#include <cstddef>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -109,9 +126,13 @@ Result<Image> decodePng(std::span<const std::uint8_t> bytes, const PngShape& sha
         ErrorCode::kCorrupt,
         "an image of the stream has not the size or the channels that it should");
   }
+  // At most four channels of 16 bits, and what belongs to the file itself.
+  const std::size_t pixelBytes = 8 * static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
+  mostImageBytes = pixelBytes + 2 * bytes.size() + (std::size_t{1} << 16);
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(bytes.data(), size, &w, &h, &channels, 4),
       stbi_image_free);
+  mostImageBytes = SIZE_MAX;
   if (!pixels) return fail(ErrorCode::kCorrupt, "an image of the stream is damaged");
   Image image{w, h, {}};
   image.rgba.assign(
