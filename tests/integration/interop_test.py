@@ -4,13 +4,13 @@ installed is skipped: python3-websockets, npm's ws (NODE_PATH says where), Chrom
 
 import base64
 import functools
-import html
 import http.server
 import json
 import os
 import pathlib
-import re
+import queue
 import shutil
+import signal
 import subprocess
 import sys
 import threading
@@ -24,7 +24,7 @@ PEERS = pathlib.Path(__file__).resolve().parent / "interop"
 PAGE = """<!doctype html><script src="limn_peer.js"></script><script>
 const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 const vectors = Object.fromEntries(Object.entries(%s).map(([name, text]) => [name, bytes(text)]));
-const say = (value) => { document.body.innerHTML = "<pre id=seen></pre>"; document.getElementById("seen").textContent = value; };
+const say = (value) => fetch("/seen", {method: "POST", body: value});
 addEventListener("load", () => talk(new WebSocket("%s", "limn.1"), vectors)
   .then((seen) => say(JSON.stringify(seen)), (error) => say(error.message)));
 </script><body></body>
@@ -91,19 +91,29 @@ class Interop(Case):
         shutil.copy(PEERS / "limn_peer.js", self.folder)
         (self.folder / "page.html").write_text(PAGE % (json.dumps(self.messages), server.url))
 
-        class Quiet(http.server.SimpleHTTPRequestHandler):
+        seen = queue.Queue()
+
+        class Pages(http.server.SimpleHTTPRequestHandler):
             def log_message(self, *_):
                 pass
 
-        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=self.folder)) as pages:
+            def do_POST(self):
+                seen.put(self.rfile.read(int(self.headers["Content-Length"])).decode())
+                self.send_response(204)
+                self.end_headers()
+
+        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Pages, directory=self.folder)) as pages:
             threading.Thread(target=pages.serve_forever, daemon=True).start()
-            page = self.run_peer(browser, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=10000",
-                                 "--user-data-dir=%s" % (self.folder / "profile"), "--dump-dom",
-                                 "http://127.0.0.1:%d/page.html" % pages.server_address[1])
-            pages.shutdown()
-        seen = re.search("<pre id=\"seen\">(.*)</pre>", page)
-        self.assertIsNotNone(seen, page)
-        self.check(html.unescape(seen[1]))
+            page = "http://127.0.0.1:%d/page.html" % pages.server_address[1]
+            peer = subprocess.Popen([browser, "--headless", "--no-sandbox", "--disable-gpu", page,
+                                     "--user-data-dir=%s" % (self.folder / "profile")],
+                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+            try:
+                self.check(seen.get(timeout=DEADLINE_S))
+            finally:
+                os.killpg(peer.pid, signal.SIGKILL)
+                peer.wait()
+                pages.shutdown()
 
 
 if __name__ == "__main__":
