@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/transport/worker_pool.h"
 
+#include <sys/resource.h>
+
 #include <utility>
 
 namespace limn {
+namespace {
+
+constexpr int kNice = 4;
+
+}  // namespace
 
 WorkerPool::WorkerPool(std::size_t threads, std::function<void()> wake) : wake_(std::move(wake)) {
   for (std::size_t i = 0; i < threads; ++i)
@@ -48,6 +55,9 @@ std::size_t WorkerPool::runDone() {
 }
 
 void WorkerPool::serve() {
+  // The loop comes first where both want a core: on Linux this is of the thread alone. Without the
+  // right to, it stays as it is.
+  static_cast<void>(setpriority(PRIO_PROCESS, 0, kNice));
   while (true) {
     Task task;
     {

@@ -23,7 +23,7 @@ harness.DEADLINE_S = 3000  # of one program: a soak
 EXTENSIONS = (".ply", ".obj", ".stl", ".off", ".glb")
 GENERATED = {"dragon": (256, 128, 0.3), "turbine-blade": (192, 96, 0.2), "bunny-closed": (96, 48, 0.1)}
 # Everybody here has one address.
-LIMITS = ("--max-clients", 4096, "--max-clients-per-address", 4096)
+LIMITS = ("--max-clients", 19000, "--max-clients-per-address", 0)
 SWEEP = """decode = 0
 [[phase]]
 clients = %d
