@@ -90,9 +90,7 @@ class PictureThread::Artist {
   /// Afterwards finder_ is there if lines are needed.
   Result<void> prepare(const PictureOrder& order, bool needsFinder) {
     if (!renderer_) {
-      auto context = createGlContext(backend_);
-      if (!context) return tl::unexpected(context.error());
-      auto renderer = Renderer::create(std::move(*context), assets_);
+      auto renderer = Renderer::open(backend_, assets_);
       if (!renderer) return tl::unexpected(renderer.error());
       renderer_.emplace(*std::move(renderer));
     }

@@ -16,7 +16,6 @@
 #include "client/pose/camera_file.h"
 #include "client/pose/orbit_path.h"
 #include "client/pose/recorded_path.h"
-#include "client/render/assets.h"
 #include "client/render/image_io.h"
 #include "client/render/image_seeds.h"
 #include "client/render/renderer.h"
@@ -108,11 +107,7 @@ class Painter {
 
  private:
   Result<void> make() {
-    auto assets = findAssets(options_.assets);
-    if (!assets) return tl::unexpected(assets.error());
-    auto context = createGlContext(options_.gl);
-    if (!context) return tl::unexpected(context.error());
-    auto renderer = Renderer::create(std::move(*context), std::move(*assets));
+    auto renderer = Renderer::open(options_.gl, options_.assets);
     if (!renderer) return tl::unexpected(renderer.error());
     renderer_ = std::move(*renderer);
     return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/render/renderer.h"
 
+#include "client/render/assets.h"
 #include "client/render/draw_tools.h"
 #include "client/render/drawing_method.h"
 #include "client/render/shaders/shaders.h"
@@ -238,6 +239,16 @@ Result<Renderer> Renderer::create(
   auto impl = std::make_unique<Impl>(std::move(context), std::move(assets));
   if (auto compiled = impl->compile(); !compiled) return tl::unexpected(compiled.error());
   return Renderer(std::move(impl));
+}
+
+Result<Renderer> Renderer::open(
+    GlBackend backend,
+    const std::optional<std::filesystem::path>& assets) {
+  auto folder = findAssets(assets);
+  if (!folder) return tl::unexpected(folder.error());
+  auto context = createGlContext(backend);
+  if (!context) return tl::unexpected(context.error());
+  return create(std::move(*context), std::move(*folder));
 }
 
 Result<Frame> Renderer::render(

@@ -13,6 +13,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace limn {
@@ -39,6 +40,12 @@ class Renderer {
   [[nodiscard]] static Result<Renderer> create(
       std::unique_ptr<GlContext> context,
       std::filesystem::path assets);
+
+  /// With a context of its own. assets: as findAssets() takes it. Errors: also those of
+  /// createGlContext() and findAssets().
+  [[nodiscard]] static Result<Renderer> open(
+      GlBackend backend,
+      const std::optional<std::filesystem::path>& assets = std::nullopt);
 
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;

@@ -11,7 +11,6 @@
 // --times: papers/003's table 1 instead: processor milliseconds a frame, the best of five, means
 // over the views: the original mesh (one sample a pixel; 2 x 2), the hull alone, the clipped hull,
 // and of it finding and chaining, the contours' way to the screen and to coverage; the rest is GL.
-#include "client/render/assets.h"
 #include "client/render/clip_contours.h"
 #include "client/render/contour_coverage.h"
 #include "client/render/renderer.h"
@@ -288,14 +287,7 @@ int run(int count, char** words) {
       files.push_back(word);
     }
   }
-  auto context = createGlContext(backend);
-  auto assets = findAssets();
-  if (!context || !assets) {
-    const Error& error = context ? assets.error() : context.error();
-    std::fprintf(stderr, "limn-clip-bench: %s\n", error.message.c_str());
-    return 1;
-  }
-  auto renderer = Renderer::create(*std::move(context), *assets);
+  auto renderer = Renderer::open(backend);
   if (!renderer) {
     std::fprintf(stderr, "limn-clip-bench: %s\n", renderer.error().message.c_str());
     return 1;

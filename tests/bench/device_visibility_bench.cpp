@@ -8,7 +8,6 @@
 // a change of the truth ("long_spans_percent", of all samples), or whatever the truth does around
 // them ("strict").
 //   limn-device-visibility-bench MODEL-FILE...   (names of models as tests/corpus knows them)
-#include "client/render/assets.h"
 #include "client/render/renderer.h"
 #include "client/stroke/chain.h"
 #include "client/stroke/crease_contours.h"
@@ -275,14 +274,7 @@ class Bench {
 };
 
 int run(int count, char** files) {
-  auto context = createGlContext(GlBackend::kOsmesa);
-  auto assets = findAssets();
-  if (!context || !assets) {
-    const Error& error = context ? assets.error() : context.error();
-    std::fprintf(stderr, "limn-device-visibility-bench: %s\n", error.message.c_str());
-    return 1;
-  }
-  auto renderer = Renderer::create(*std::move(context), *assets);
+  auto renderer = Renderer::open(GlBackend::kOsmesa);
   if (!renderer) {
     std::fprintf(stderr, "limn-device-visibility-bench: %s\n", renderer.error().message.c_str());
     return 1;

@@ -7,7 +7,6 @@
 //   (names of models as tests/corpus knows them). ms: of the processor, on a software renderer
 // covered_percent: of the length of visible contours, what has ink within 2 px. false_px: the
 // longest extent of ink that is more than 3 px from every visible contour and feature edge.
-#include "client/render/assets.h"
 #include "client/render/image_io.h"
 #include "client/render/renderer.h"
 #include "client/stroke/chain.h"
@@ -351,14 +350,7 @@ int run(int count, char** words) {
       files.push_back(word);
     }
   }
-  auto context = createGlContext(backend);
-  auto assets = findAssets();
-  if (!context || !assets) {
-    const Error& error = context ? assets.error() : context.error();
-    std::fprintf(stderr, "limn-draw-bench: %s\n", error.message.c_str());
-    return 1;
-  }
-  auto renderer = Renderer::create(*std::move(context), *assets);
+  auto renderer = Renderer::open(backend);
   if (!renderer) {
     std::fprintf(stderr, "limn-draw-bench: %s\n", renderer.error().message.c_str());
     return 1;
