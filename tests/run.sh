@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs what is missing, builds, and runs the tests.
 #   tests/run.sh            everything: style, layering, every test (gcc, assertions), then most of them again under
-#                           the address and undefined-behaviour sanitizers (clang)
+#                           the address and undefined-behaviour sanitizers (clang), with a minute of every fuzzer
 #   tests/run.sh --quick    the inner loop: unit, conformance and layering tests
 #   tests/run.sh --no-asan  everything but the sanitizer pass
 # The environment: LIMN_MODELS, a folder of real meshes (default: ../shared/models when there; tests that need it are

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/net/server_url.h"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <charconv>
 
@@ -12,6 +14,12 @@ tl::unexpected<Error> bad(std::string_view url, const char* why) {
       ErrorCode::kInvalidArgument,
       "\"" + std::string(url) + "\" " + why +
           ": write ws://HOST:PORT, for instance ws://127.0.0.1:8600");
+}
+
+// An address with or without a zone ("fe80::1%eth0").
+bool isIpv6(const std::string& host) {
+  in6_addr address;
+  return inet_pton(AF_INET6, host.substr(0, host.find('%')).c_str(), &address) == 1;
 }
 
 }  // namespace
@@ -46,6 +54,7 @@ Result<ServerUrl> parseServerUrl(std::string_view url) {
     const std::size_t end = authority.find(']');
     if (end == std::string_view::npos) return bad(url, "lacks a ]");
     result.host = std::string(authority.substr(1, end - 1));
+    if (!isIpv6(result.host)) return bad(url, "has between [ and ] what is no IPv6 address");
     authority.remove_prefix(end + 1);
     if (!authority.empty() && authority[0] != ':') return bad(url, "has something after the ]");
     if (!authority.empty()) port = authority.substr(1);
@@ -53,6 +62,9 @@ Result<ServerUrl> parseServerUrl(std::string_view url) {
   } else {
     const std::size_t colon = std::min(authority.find(':'), authority.size());
     result.host = std::string(authority.substr(0, colon));
+    if (result.host.find_first_of("[]") != std::string::npos) {
+      return bad(url, "has a bracket in its host");
+    }
     if (colon < authority.size()) {
       port = authority.substr(colon + 1);
       if (port.empty()) return bad(url, "has no port after the colon");

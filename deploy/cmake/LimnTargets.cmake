@@ -57,11 +57,31 @@ function(limn_test name)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS ${ARG_LABEL})
 endfunction()
 
-# limn_fuzzer(NAME SOURCES cpp... LINK lib...): a libFuzzer target (preset fuzz).
+# limn_fuzzer(NAME SOURCES cpp... LINK lib...): a libFuzzer target, fuzz_NAME, and a test that runs it for
+# LIMN_FUZZ_SECONDS from the corpus kept in tests/fuzz/corpus/NAME. The libraries that it links tell it what they ran.
 function(limn_fuzzer name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
-  add_executable(${name} ${ARG_SOURCES})
-  limn_warnings(${name})
-  target_link_libraries(${name} PRIVATE ${ARG_LINK})
-  target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+  set(target fuzz_${name})
+  add_executable(${target} ${ARG_SOURCES})
+  limn_warnings(${target})
+  target_link_libraries(${target} PRIVATE ${ARG_LINK})
+  target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
+  target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+  foreach(library ${ARG_LINK})
+    get_target_property(aliased ${library} ALIASED_TARGET)
+    target_compile_options(${aliased} PRIVATE -fsanitize=fuzzer-no-link)
+  endforeach()
+
+  # What it finds on the way goes into the first folder, and stays there for the next run.
+  set(found "${CMAKE_CURRENT_BINARY_DIR}/${name}")
+  file(MAKE_DIRECTORY "${found}/corpus")
+  set(kept "${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name}")
+  if(NOT IS_DIRECTORY "${kept}")
+    set(kept)
+  endif()
+  add_test(NAME fuzz.${name}
+    COMMAND ${target} -max_total_time=${LIMN_FUZZ_SECONDS} -timeout=20 -rss_limit_mb=2048 -print_final_stats=1
+            "-artifact_prefix=${found}/" "${found}/corpus" ${kept})
+  math(EXPR patience "${LIMN_FUZZ_SECONDS} + 60")
+  set_tests_properties(fuzz.${name} PROPERTIES LABELS fuzz TIMEOUT ${patience})
 endfunction()
