@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text as what a client reads: a script of limn-load, a server's address, a catalogue, a camera, a path, an orbit.
-// What was read must survive being written.
+// Any text as what a client reads: a script of limn-load, a server's address, a catalogue, a
+// camera, a path, an orbit. What was read must survive being written.
 #include "client/load/script.h"
 #include "client/net/server_url.h"
 #include "client/pose/camera_file.h"

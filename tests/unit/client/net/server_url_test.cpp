@@ -27,27 +27,11 @@ TEST(ServerUrl, ReadsHostPortAndPath) {
 }
 
 TEST(ServerUrl, RefusesEverythingElseWithAnExample) {
-  for (const char* url :
-       {"",
-        "host:1",
-        "http://host:1",
-        "ws://",
-        "ws://:1",
-        "ws://h:",
-        "ws://h:0",
-        "ws://h:65536",
-        "ws://h:1x",
-        "ws://[::1",
-        "ws://[::1]x",
-        "ws://[::1]:",
-        "ws://[[c]",
-        "ws://[host]:1",
-        "ws://h[:1",
-        "ws://a b:1",
-        "ws://u@h:1",
-        "ws://h:1#x",
-        "ws://h\n:1",
-        "ws://h:-1"}) {
+  for (const char* url : {"",           "host:1",        "http://host:1", "ws://",
+                          "ws://:1",    "ws://h:",       "ws://h:0",      "ws://h:65536",
+                          "ws://h:1x",  "ws://[::1",     "ws://[::1]x",   "ws://[::1]:",
+                          "ws://[[c]",  "ws://[host]:1", "ws://h[:1",     "ws://a b:1",
+                          "ws://u@h:1", "ws://h:1#x",    "ws://h\n:1",    "ws://h:-1"}) {
     const auto parsed = parseServerUrl(url);
     ASSERT_FALSE(parsed) << url;
     EXPECT_NE(parsed.error().message.find("ws://127.0.0.1:8600"), std::string::npos) << url;
