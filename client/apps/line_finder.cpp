@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/line_finder.h"
 
+#include "client/stroke/crease_noise.h"
+
 #include "shared/mesh/cracks.h"
 
 #include <chrono>

@@ -14,9 +14,6 @@
 namespace limn {
 namespace {
 
-/// Connected creases shorter together than this share of the mesh's extent are noise.
-constexpr double kShortest = 0.02;
-
 bool isCreaseAt(const HalfEdgeMesh& mesh, std::span<const std::uint8_t> features, HalfEdgeId h) {
   const HalfEdgeId twin = mesh.twins[h];
   return twin != kNone && ((features[h] | features[twin]) & kFeatureCrease) != 0;
@@ -33,48 +30,6 @@ void append(PolylineSet& set, const glm::vec3& point, HalfEdgeId h, FaceId f) {
 }
 
 }  // namespace
-
-std::vector<std::uint8_t> withoutNoise(
-    const HalfEdgeMesh& mesh,
-    std::span<const glm::ivec3> positions,
-    std::span<const std::uint8_t> features) {
-  std::vector<std::uint8_t> kept(features.begin(), features.end());
-  if (features.size() != mesh.origins.size() || positions.empty()) return kept;
-  // Vertices joined by creases, as a forest: each points nearer to its root.
-  std::vector<std::uint32_t> parents(mesh.vertexCount());
-  for (std::uint32_t v = 0; v < parents.size(); ++v)
-    parents[v] = v;
-  const auto rootOf = [&](std::uint32_t v) {
-    while (parents[v] != v) {
-      parents[v] = parents[parents[v]];
-      v = parents[v];
-    }
-    return v;
-  };
-  const auto isCrease = [&](HalfEdgeId h) { return isCreaseAt(mesh, features, h); };
-  for (HalfEdgeId h = 0; h < kept.size(); ++h) {
-    if (isCrease(h)) parents[rootOf(mesh.origin(h))] = rootOf(mesh.target(h));
-  }
-  std::vector<double> lengths(mesh.vertexCount(), 0.0);
-  for (HalfEdgeId h = 0; h < kept.size(); ++h) {
-    if (!isCrease(h)) continue;  // met twice
-    const glm::dvec3 from(positions[mesh.origin(h)]);
-    lengths[rootOf(mesh.origin(h))] +=
-        0.5 * glm::distance(from, glm::dvec3(positions[mesh.target(h)]));
-  }
-  glm::ivec3 low = positions[0];
-  glm::ivec3 high = low;
-  for (const glm::ivec3& p : positions) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  const double shortest = kShortest * glm::distance(glm::dvec3(low), glm::dvec3(high));
-  for (HalfEdgeId h = 0; h < kept.size(); ++h) {
-    if (isCrease(h) && lengths[rootOf(mesh.origin(h))] < shortest)
-      kept[h] = static_cast<std::uint8_t>(kept[h] & ~kFeatureCrease);
-  }
-  return kept;
-}
 
 CreaseContours::CreaseContours(const SilhouetteField& field, std::span<const std::uint8_t> features)
     : field_(field) {

@@ -16,14 +16,6 @@
 
 namespace limn {
 
-/// Features without the creases that are noise of a scan: those that, with all creases they are
-/// connected to, are short beside the mesh. features: one byte a half-edge, or none.
-/// Cost: O(half-edges).
-[[nodiscard]] std::vector<std::uint8_t> withoutNoise(
-    const HalfEdgeMesh& mesh,
-    std::span<const glm::ivec3> positions,
-    std::span<const std::uint8_t> features);
-
 /// Smooth silhouettes of a mesh with sharp edges. A normal averaged over a crease belongs to
 /// neither side, and its silhouette runs beside the edge that an illustrator would draw. Here every
 /// vertex on a crease has a normal for each of the smooth sectors that creases divide its faces

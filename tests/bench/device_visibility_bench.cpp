@@ -11,6 +11,7 @@
 #include "client/render/renderer.h"
 #include "client/stroke/chain.h"
 #include "client/stroke/crease_contours.h"
+#include "client/stroke/crease_noise.h"
 #include "client/stroke/resolved_visibility.h"
 #include "client/stroke/visibility.h"
 #include "tests/corpus/corpus.h"

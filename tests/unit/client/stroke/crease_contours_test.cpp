@@ -133,21 +133,6 @@ TEST(CreaseContours, LoopsCloseAndSegmentsGoOnFromOneAnother) {
   }
 }
 
-TEST(CreaseContours, ShortCreasesAloneAreNoiseAndLongOnesAreNot) {
-  const TriangleMesh shape = drum(48);
-  const HalfEdgeMesh mesh = link(shape);
-  std::vector<std::uint8_t> features = creases(mesh, shape);
-  EXPECT_EQ(withoutNoise(mesh, shape.positions, features), features);
-  // A speck of a crease: one edge of a fine round mesh.
-  const TriangleMesh round = primitives::bumpySphere(5, 3);
-  const HalfEdgeMesh fine = link(round);
-  std::vector<std::uint8_t> speck(fine.origins.size(), 0);
-  speck[0] = speck[fine.twin(0)] = kFeatureCrease | kFeatureSeam;
-  const std::vector<std::uint8_t> kept = withoutNoise(fine, round.positions, speck);
-  EXPECT_EQ(kept[0], kFeatureSeam);
-  EXPECT_TRUE(withoutNoise(fine, round.positions, {}).empty());
-}
-
 TEST(CreaseContours, AMeshWithoutCreasesIsLeftToTheChainer) {
   const Contours found(primitives::torus(40, 24), kAslant);
   EXPECT_TRUE(found.creaseContours.isEmpty());
