@@ -7,9 +7,10 @@
 #include "shared/silhouette/cone_tree.h"
 
 #include "shared/silhouette/leaf_clusters.h"
-#include "shared/view/anchored_cone.h"
+#include "shared/view/anchored_pyramid.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -67,9 +68,16 @@ class LeafPacker {
   std::uint32_t stamp_ = 0;
 };
 
-// Stores planes about `center`; unused slots repeat the first. Returns the leaf's radius.
+// A float's upper half, rounded up.
+std::uint16_t upperHalf(double positive) {
+  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(positive));
+  return static_cast<std::uint16_t>((bits >> 16) + 1);
+}
+
+// Stores planes about `center`; unused slots repeat the first. Returns the leaf's radius
+// (Node::radius).
 template <class Leaf>
-float storePlanes(std::span<const glm::vec4> planes, const glm::vec3& center, Leaf& leaf) {
+std::uint16_t storePlanes(std::span<const glm::vec4> planes, const glm::vec3& center, Leaf& leaf) {
   std::array<glm::dvec4, kLeafSites> unit{};
   double radius = 0.0;
   for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -79,7 +87,8 @@ float storePlanes(std::span<const glm::vec4> planes, const glm::vec3& center, Le
     unit[i] = glm::dvec4(n, glm::dot(n, glm::dvec3(center)) + planes[i].w) / length;
     radius = std::max(radius, std::abs(unit[i].w));
   }
-  const auto bound = static_cast<float>(radius * (1.0 + 1e-6) + 1e-6);
+  const std::uint16_t stored = upperHalf(radius + 1e-6);
+  const double bound = Node::radiusFrom(stored);
   for (std::size_t i = 0; i < kLeafSites; ++i) {
     const glm::dvec4& plane = unit[i < planes.size() ? i : 0];
     const std::size_t s = 2 * Leaf::slotOf(i);
@@ -88,22 +97,23 @@ float storePlanes(std::span<const glm::vec4> planes, const glm::vec3& center, Le
     leaf.zd[s] = toFixed(plane.z);
     leaf.zd[s + 1] = toFixed(plane.w / bound);
   }
-  return bound;
+  return stored;
 }
 
-void place(const AnchoredCone& cone, Node& node, std::size_t i) {
-  node.centerX[i] = cone.center.x;
-  node.centerY[i] = cone.center.y;
-  node.centerZ[i] = cone.center.z;
-  node.axisX[i] = cone.axis.x;
-  node.axisY[i] = cone.axis.y;
-  node.axisZ[i] = cone.axis.z;
-  node.front[i] = cone.front;
-  node.back[i] = cone.back;
-  node.cotSquared[i] = cone.cotSquared;
+void place(const AnchoredPyramid& pyramid, Node& node, std::size_t i) {
+  node.centerX[i] = pyramid.center.x;
+  node.centerY[i] = pyramid.center.y;
+  node.centerZ[i] = pyramid.center.z;
+  node.front[i] = pyramid.front;
+  node.back[i] = pyramid.back;
+  for (std::size_t k = 0; k < 3; ++k) {
+    node.axis[k][i] = pyramid.axis[k];
+    node.side1[k][i] = pyramid.side1[k];
+    node.side2[k][i] = pyramid.side2[k];
+  }
 }
 
-// Leaves and the cones of every level over them.
+// Leaves and the pyramids of every level over them.
 template <class Leaf>
 class TreeBuilder {
  public:
@@ -158,7 +168,7 @@ class TreeBuilder {
   }
 
  private:
-  AnchoredCone fit(std::size_t begin, std::size_t count) {
+  AnchoredPyramid fit(std::size_t begin, std::size_t count) {
     const std::size_t end = std::min(begin + count, clusters_->clusters.size());
     glm::vec3 sum(0.0F);
     for (std::size_t l = begin; l < end; ++l)
@@ -166,13 +176,13 @@ class TreeBuilder {
     const auto planes = std::span<const glm::vec4>(planes_).subspan(
         planeBegin_[begin],
         planeBegin_[end] - planeBegin_[begin]);
-    return fitAnchoredCone(planes, sum / static_cast<float>(end - begin), tangentScale_);
+    return fitAnchoredPyramid(planes, sum / static_cast<float>(end - begin), tangentScale_);
   }
 
   const ItemSource* source_;
   const Clusters* clusters_;
   double tangentScale_;
-  std::vector<float> radii_;             // by leaf
+  std::vector<std::uint16_t> radii_;     // by leaf
   std::vector<glm::vec4> planes_;        // of every leaf, one after the other
   std::vector<std::size_t> planeBegin_;  // by leaf, and the end
 };

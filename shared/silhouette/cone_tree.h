@@ -4,6 +4,7 @@
 #include "shared/silhouette/field.h"
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -25,6 +26,8 @@ inline constexpr std::size_t kLeafFaces = 48;
 /// Where that leaves a side in doubt, the field's own plane decides.
 inline constexpr float kPlaneScale = 32767.0F;
 inline constexpr float kPlaneError = 2.6F * kPlaneScale;
+/// The planes' share of it: √3 and ½ times half, and some more for the rest.
+inline constexpr float kPlaneOwnError = 1.2F * kPlaneScale;
 inline constexpr float kNearest = 0.5F;  // of r / |eye − c|
 
 /// Edges (2 sites each) or faces (3 corners each) that lie together, with the planes they need,
@@ -56,17 +59,25 @@ using EdgeLeaf = LeafOf<2, kLeafEdges>;
 using FaceLeaf = LeafOf<3, kLeafFaces>;
 static_assert(sizeof(EdgeLeaf) == 352 && sizeof(FaceLeaf) == 416);
 
-/// Anchored cones of eight children (leaves, or nodes of the level below), one array a field.
-struct alignas(32) Node {
+/// Anchored pyramids (shared/view) of eight children (leaves, or nodes of the level below), one
+/// array a field: five cache lines.
+struct alignas(64) Node {
   std::array<float, 8> centerX, centerY, centerZ;
-  std::array<float, 8> axisX, axisY, axisZ;
-  std::array<float, 8> front, back, cotSquared;
-  std::array<float, 8> radius;  // of leaves: bound of the planes' distance from the centre
+  std::array<float, 8> front, back;
+  std::array<std::array<std::int16_t, 8>, 3> axis, side1, side2;  // x, y, z
+  /// Of leaves: bound of the planes' distance from the centre, the upper half of a float.
+  std::array<std::uint16_t, 8> radius;
+
+  [[nodiscard]] static float radiusFrom(std::uint16_t upperHalf) {
+    return std::bit_cast<float>(std::uint32_t{upperHalf} << 16);
+  }
 };
+
+static_assert(sizeof(Node) == 320);
 
 /// The leaves in the order of their nodes, and the levels of nodes above them: child i of node n
 /// is entry 8n + i of the level below; levels[0] is above the leaves. A leaf's centre is its
-/// cone's.
+/// pyramids'.
 struct ConeTree {
   // By kind, one of the two.
   std::vector<EdgeLeaf> edgeLeaves;

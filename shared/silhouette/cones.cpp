@@ -8,7 +8,7 @@
 
 #include "shared/silhouette/cones_search.h"
 #include "shared/silhouette/simd.h"
-#include "shared/view/anchored_cone.h"
+#include "shared/view/anchored_pyramid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,13 +29,14 @@ std::uint32_t openOf(const Query& query, const Node& node) {
   std::uint32_t open = 0;
   for (std::uint32_t i = 0; i < 8; ++i) {
     const glm::vec3 q = toEye(query, node, i);
-    const float along = q.x * node.axisX[i] + q.y * node.axisY[i] + q.z * node.axisZ[i];
-    const float square = q.x * q.x + q.y * q.y + q.z * q.z;
-    const float across = (square - along * along) + ConeSlack::kSquare * square;
-    const float inFront = (along - node.front[i] * eye.w) - query.slack;
-    const float inBack = (along - node.back[i] * eye.w) + query.slack;
-    const bool isFront = inFront > 0.0F && inFront * inFront * node.cotSquared[i] >= across;
-    const bool isBack = inBack < 0.0F && inBack * inBack * node.cotSquared[i] >= across;
+    const auto along = [&](const std::array<std::array<std::int16_t, 8>, 3>& v) {
+      return q.x * static_cast<float>(v[0][i]) + q.y * static_cast<float>(v[1][i]) +
+             q.z * static_cast<float>(v[2][i]);
+    };
+    const float across = std::abs(along(node.side1)) + std::abs(along(node.side2)) + query.slack;
+    const float middle = along(node.axis);
+    const bool isFront = middle + node.front[i] * eye.w > across;
+    const bool isBack = middle + node.back[i] * eye.w < -across;
     open |= static_cast<std::uint32_t>(!(isFront || isBack)) << i;
   }
   return open;
@@ -50,8 +51,8 @@ std::int32_t pair(float low, float high) {
 OpenLeaf openLeaf(const Query& query, const Node& node, std::uint32_t n, std::uint32_t i) {
   const glm::vec3 q = toEye(query, node, i);
   const float inverse = 1.0F / std::sqrt(std::max(glm::dot(q, q), 1e-30F));
-  const float nearness = node.radius[i] * query.eye.w * inverse;
-  const float rounding = query.slack * kRoundingShare * inverse * (kPlaneScale * kPlaneScale);
+  const float nearness = Node::radiusFrom(node.radius[i]) * query.eye.w * inverse;
+  const float rounding = query.slack * kRoundingShare * inverse;
   const glm::vec3 u = q * (inverse * kPlaneScale);
   OpenLeaf open;
   open.leaf = 8 * n + i;
@@ -77,7 +78,7 @@ LeafHits testLeaf(const Query& query, const OpenLeaf& open, const Leaf& leaf) {
     front |= static_cast<std::uint32_t>(value > open.doubt) << i;
     doubtful |= static_cast<std::uint32_t>(value <= open.doubt && value >= -open.doubt) << i;
   }
-  if (doubtful != 0) front = settleDoubts(query, open.leaf, leaf, front, doubtful);
+  if (doubtful != 0) front = settleDoubts(query, open, leaf, front, doubtful);
   LeafHits found;
   if (front == 0 || front == 0xFFFFFFFFU) return found;
   const auto sideOf = [&](std::size_t k, std::size_t i) {
@@ -108,19 +109,56 @@ std::uint32_t siteOf(const Query& query, std::uint32_t, const FaceLeaf& leaf, st
   return 0;  // no site is without an item
 }
 
+// With the eye as it is, not rounded, fewer sites are in doubt. Removes the others from `doubtful`;
+// returns the front ones of those.
+template <class Leaf>
+std::uint32_t
+lookTwice(const Query& query, const OpenLeaf& open, const Leaf& leaf, std::uint32_t& doubtful) {
+  const Node& node = query.tree->levels[0][open.leaf / 8];
+  const std::size_t child = open.leaf % 8;
+  const glm::dvec3 q(toEye(query, node, child));
+  const double factor = double{kPlaneScale} / std::sqrt(std::max(glm::dot(q, q), 1e-30));
+  const glm::dvec4 eye(q * factor, Node::radiusFrom(node.radius[child]) * query.eye.w * factor);
+  const double doubt = open.doubt - double{kPlaneError - kPlaneOwnError};
+  std::uint32_t front = 0;
+  for (std::uint32_t left = doubtful; left != 0; left &= left - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(left));
+    const std::size_t s = 2 * Leaf::slotOf(i);
+    const double value =
+        leaf.xy[s] * eye.x + leaf.xy[s + 1] * eye.y + leaf.zd[s] * eye.z + leaf.zd[s + 1] * eye.w;
+    if (std::abs(value) <= doubt) continue;
+    doubtful &= ~(1U << i);
+    front |= static_cast<std::uint32_t>(value > 0.0) << i;
+  }
+  return front;
+}
+
 }  // namespace
+
+void OpenLeaves::makeRoom(std::size_t more) {
+  if (leaf.size() >= count + more) return;
+  for (auto* field : {&eyeXy, &eyeZw, &doubt})
+    field->resize(2 * (count + more));
+  leaf.resize(2 * (count + more));
+}
+
+void OpenNodes::makeRoom(std::size_t more) {
+  if (nodes.size() < count + more) nodes.resize(2 * (count + more));
+}
 
 template <class Leaf>
 std::uint32_t settleDoubts(
     const Query& query,
-    std::uint32_t leafIndex,
+    const OpenLeaf& open,
     const Leaf& leaf,
     std::uint32_t front,
     std::uint32_t doubtful) {
   front &= ~doubtful;
-  for (std::uint32_t i = 0; i < leaf.siteCount; ++i) {
-    if ((doubtful >> i & 1U) == 0) continue;
-    const std::uint32_t site = siteOf(query, leafIndex, leaf, i);
+  if (open.doubt != kNothingSure) front |= lookTwice(query, open, leaf, doubtful);
+  for (std::uint32_t left = doubtful; left != 0; left &= left - 1) {
+    const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+    if (i >= leaf.siteCount) break;
+    const std::uint32_t site = siteOf(query, open.leaf, leaf, i);
     front |= static_cast<std::uint32_t>(query.field->isFront(site, query.fieldEye)) << i;
   }
   // Unused slots are like site 0.
@@ -129,42 +167,62 @@ std::uint32_t settleDoubts(
   return (front & 1U) != 0 ? front | ~used : front & used;
 }
 
-template std::uint32_t
-settleDoubts<EdgeLeaf>(const Query&, std::uint32_t, const EdgeLeaf&, std::uint32_t, std::uint32_t);
-template std::uint32_t
-settleDoubts<FaceLeaf>(const Query&, std::uint32_t, const FaceLeaf&, std::uint32_t, std::uint32_t);
+template std::uint32_t settleDoubts<EdgeLeaf>(
+    const Query&,
+    const OpenLeaf&,
+    const EdgeLeaf&,
+    std::uint32_t,
+    std::uint32_t);
+template std::uint32_t settleDoubts<FaceLeaf>(
+    const Query&,
+    const OpenLeaf&,
+    const FaceLeaf&,
+    std::uint32_t,
+    std::uint32_t);
 
 void openChildrenPortable(
     const Query& query,
     std::size_t level,
     std::span<const std::uint32_t> parents,
-    std::vector<std::uint32_t>& open) {
+    OpenNodes& open) {
   const std::vector<Node>& nodes = query.tree->levels[level];
   const std::size_t children = query.tree->childrenOf(level);
-  for (const std::uint32_t n : parents)
-    appendChildren(n, openOf(query, nodes[n]) & existing(children, n), open);
+  open.makeRoom(8 * parents.size());
+  for (const std::uint32_t n : parents) {
+    for (std::uint32_t mask = openOf(query, nodes[n]) & existing(children, n); mask != 0;
+         mask &= mask - 1)
+      open.nodes[open.count++] = 8 * n + static_cast<std::uint32_t>(std::countr_zero(mask));
+  }
 }
 
 void openLeavesPortable(
     const Query& query,
     std::span<const std::uint32_t> parents,
-    std::vector<OpenLeaf>& open) {
+    const LeafLists& lists) {
   const std::vector<Node>& nodes = query.tree->levels[0];
   const std::size_t children = query.tree->leafCount();
+  lists.others->makeRoom(8 * parents.size());
+  if (!lists.lastHits.empty()) lists.firsts->makeRoom(8 * parents.size());
   for (const std::uint32_t n : parents) {
+    const std::uint32_t firsts = lists.lastHits.empty() ? 0U : lists.lastHits[n];
     for (std::uint32_t mask = openOf(query, nodes[n]) & existing(children, n); mask != 0;
          mask &= mask - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(mask));
-      open.push_back(openLeaf(query, nodes[n], n, i));
+      OpenLeaves& to = (firsts >> i & 1U) != 0 ? *lists.firsts : *lists.others;
+      const OpenLeaf open = openLeaf(query, nodes[n], n, i);
+      to.leaf[to.count] = open.leaf;
+      to.eyeXy[to.count] = open.eyeXy;
+      to.eyeZw[to.count] = open.eyeZw;
+      to.doubt[to.count++] = open.doubt;
     }
   }
 }
 
 void searchLeavesPortable(
     const Query& query,
-    std::span<const OpenLeaf> leaves,
+    const OpenLeaves& leaves,
     SilhouetteResult& result,
-    std::vector<std::uint32_t>* hits) {
+    std::span<std::uint8_t> hits) {
   if (result.kind == SilhouetteKind::kEdges) {
     searchWith<EdgeLeaf>(query, leaves, result, hits, testLeaf<EdgeLeaf>, collect<EdgeLeaf>);
   } else {
@@ -186,7 +244,7 @@ ConesDetector::ConesDetector(
     forest_ = std::make_shared<const ConeForest>(field, options.coneTangentScale);
   if (order != Order::kLastFrameFirst) return;
   for (const silhouette::ConeTree& tree : forest_->trees())
-    lastFrames_.push_back({{}, std::vector<std::uint8_t>(tree.leafCount(), 0)});
+    hits_.push_back({{}, std::vector<std::uint8_t>((tree.leafCount() + 7) / 8, 0)});
   if (options.seeds != nullptr) placeSeeds(options);
 }
 
@@ -231,7 +289,8 @@ void ConesDetector::startFromSeeds(const glm::vec3& toEye) {
           slot,
           [](const Place& place, std::uint32_t wanted) { return place.slot < wanted; });
       if (at == seedPlaces_.end() || at->slot != slot) continue;
-      lastFrames_[at->tree].hits.push_back(at->leaf);
+      std::uint8_t& leaves = hits_[at->tree].thisFrame[at->leaf / 8];
+      leaves = static_cast<std::uint8_t>(leaves | 1U << (at->leaf % 8));
       ++result_.stats.seedsTried;
     }
   }
@@ -262,7 +321,7 @@ void ConesDetector::searchTree(const SilhouetteView& view, std::size_t index) {
   const float reach =
       std::max(glm::length(glm::vec3(query.eye)), glm::length(glm::vec3(query.fieldEye))) +
       (tree.extent + static_cast<float>(glm::length(shift))) * query.eye.w;
-  query.slack = ConeSlack::kDistance * reach;
+  query.slack = PyramidSlack::kDistance * static_cast<float>(AnchoredPyramid::kScale) * reach;
   auto openLeaves = silhouette::openLeavesPortable;
   auto searchLeaves = silhouette::searchLeavesPortable;
 #if LIMN_SILHOUETTE_AVX2
@@ -271,49 +330,26 @@ void ConesDetector::searchTree(const SilhouetteView& view, std::size_t index) {
   if (vectorCode_ == VectorCode::kAvx512) searchLeaves = silhouette::searchLeavesAvx512;
 #endif
   openTree(query);
-  // In pieces, so that the list of open leaves stays in a near cache.
-  constexpr std::size_t kNodes = 128;
-  const bool isTree = order_ == Order::kTree;
-  LastFrame* last = isTree ? nullptr : &lastFrames_[index];
-  if (last != nullptr) {
-    for (const std::uint32_t leaf : last->hits)
-      last->wasHit[leaf] = 1;
-  }
-  std::size_t firsts = 0;
-  std::size_t others = 0;
-  for (std::size_t begin = 0; begin < frontier_.size(); begin += kNodes) {
-    const std::size_t count = std::min(kNodes, frontier_.size() - begin);
-    open_.clear();
-    openLeaves(query, std::span<const std::uint32_t>(frontier_).subspan(begin, count), open_);
-    if (isTree) {
-      searchLeaves(query, open_, result_, nullptr);
-      continue;
+  const std::span<const std::uint32_t> parents = frontier_.held();
+  open_.count = 0;
+  if (order_ == Order::kTree) {
+    // In pieces, so that the list of open leaves stays in a near cache.
+    constexpr std::size_t kNodes = 128;
+    for (std::size_t begin = 0; begin < parents.size(); begin += kNodes) {
+      const std::size_t count = std::min(kNodes, parents.size() - begin);
+      open_.count = 0;
+      openLeaves(query, parents.subspan(begin, count), {{}, nullptr, &open_});
+      searchLeaves(query, open_, result_, {});
     }
-    // Apart, those that held silhouettes in the last frame; no branch to be mispredicted.
-    if (firsts_.size() < firsts + open_.size()) firsts_.resize(2 * (firsts + open_.size()));
-    if (others_.size() < others + open_.size()) others_.resize(2 * (others + open_.size()));
-    for (const silhouette::OpenLeaf& open : open_) {
-      const std::size_t isFirst = last->wasHit[open.leaf];
-      others_[others] = open;
-      firsts_[firsts] = open;
-      firsts += isFirst;
-      others += 1 - isFirst;
-    }
+    return;
   }
-  if (isTree) return;
-  for (const std::uint32_t leaf : last->hits)
-    last->wasHit[leaf] = 0;
-  last->hits.clear();
-  searchLeaves(
-      query,
-      std::span<const silhouette::OpenLeaf>(firsts_).first(firsts),
-      result_,
-      &last->hits);
-  searchLeaves(
-      query,
-      std::span<const silhouette::OpenLeaf>(others_).first(others),
-      result_,
-      &last->hits);
+  Hits& hits = hits_[index];
+  std::swap(hits.lastFrame, hits.thisFrame);
+  hits.thisFrame.assign(hits.lastFrame.size(), 0);
+  firsts_.count = 0;
+  openLeaves(query, parents, {hits.lastFrame, &firsts_, &open_});
+  searchLeaves(query, firsts_, result_, hits.thisFrame);
+  searchLeaves(query, open_, result_, hits.thisFrame);
 }
 
 // Every node over leaves that may hold silhouettes.
@@ -323,27 +359,26 @@ void ConesDetector::openTree(const silhouette::Query& query) {
 #if LIMN_SILHOUETTE_AVX2
   if (vectorCode_ != VectorCode::kPortable) openChildren = silhouette::openChildrenAvx2;
 #endif
-  frontier_.clear();
+  frontier_.count = 0;
   if (levels.empty()) return;
+  frontier_.makeRoom(levels.back().size());
   for (std::uint32_t n = 0; n < levels.back().size(); ++n)
-    frontier_.push_back(n);
+    frontier_.nodes[frontier_.count++] = n;
   for (std::size_t l = levels.size() - 1; l > 0; --l) {
-    result_.stats.clustersTested += static_cast<std::uint32_t>(8 * frontier_.size());
-    below_.clear();
-    openChildren(query, l, frontier_, below_);
+    result_.stats.clustersTested += static_cast<std::uint32_t>(8 * frontier_.count);
+    below_.count = 0;
+    openChildren(query, l, frontier_.held(), below_);
     std::swap(frontier_, below_);
   }
-  result_.stats.clustersTested += static_cast<std::uint32_t>(8 * frontier_.size());
+  result_.stats.clustersTested += static_cast<std::uint32_t>(8 * frontier_.count);
 }
 
 std::size_t ConesDetector::memoryBytes() const {
   std::size_t bytes = forest_->memoryBytes();
-  for (const LastFrame& last : lastFrames_)
-    bytes += last.wasHit.size() + last.hits.capacity() * sizeof(std::uint32_t);
-  return bytes +
-         (open_.capacity() + firsts_.capacity() + others_.capacity()) *
-             sizeof(silhouette::OpenLeaf) +
-         (frontier_.capacity() + below_.capacity() + result_.edges.capacity() +
+  for (const Hits& hits : hits_)
+    bytes += hits.lastFrame.size() + hits.thisFrame.size();
+  return bytes + open_.memoryBytes() + firsts_.memoryBytes() +
+         (frontier_.nodes.size() + below_.nodes.size() + result_.edges.capacity() +
           result_.faces.capacity()) *
              sizeof(std::uint32_t);
 }

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace limn {
@@ -20,6 +21,35 @@ struct OpenLeaf {
   std::int32_t eyeXy = 0;  // unit vector to the eye: x in the low half, y in the high half
   std::int32_t eyeZw = 0;  // z, and radius / distance
   std::int32_t doubt = 0;  // a plane's value must be above this, or below minus this, to be sure
+};
+
+/// Open leaves, an array a field. Refilled in every frame and never made smaller, so that nothing
+/// is allocated or cleared once they have grown.
+struct OpenLeaves {
+  std::vector<std::uint32_t> leaf;
+  std::vector<std::int32_t> eyeXy, eyeZw, doubt;
+  std::size_t count = 0;
+
+  [[nodiscard]] OpenLeaf operator[](std::size_t i) const {
+    return {leaf[i], eyeXy[i], eyeZw[i], doubt[i]};
+  }
+
+  /// For so many more.
+  void makeRoom(std::size_t more);
+
+  [[nodiscard]] std::size_t memoryBytes() const { return 4 * sizeof(std::uint32_t) * leaf.size(); }
+};
+
+/// Nodes of a level, refilled likewise.
+struct OpenNodes {
+  std::vector<std::uint32_t> nodes;
+  std::size_t count = 0;
+
+  [[nodiscard]] std::span<const std::uint32_t> held() const {
+    return std::span<const std::uint32_t>(nodes).first(count);
+  }
+
+  void makeRoom(std::size_t more);
 };
 
 }  // namespace silhouette
@@ -45,10 +75,10 @@ class ConesDetector final : public SilhouetteDetector {
   [[nodiscard]] std::size_t memoryBytes() const override;
 
  private:
-  // Of one tree: which leaves held silhouettes in the last frame.
-  struct LastFrame {
-    std::vector<std::uint32_t> hits;
-    std::vector<std::uint8_t> wasHit;  // by leaf; all 0 between frames
+  // Of one tree, by node above the leaves, a bit a leaf: which held silhouettes.
+  struct Hits {
+    std::vector<std::uint8_t> lastFrame;
+    std::vector<std::uint8_t> thisFrame;
   };
 
   void searchTree(const SilhouetteView& view, std::size_t index);
@@ -60,13 +90,12 @@ class ConesDetector final : public SilhouetteDetector {
   VectorCode vectorCode_;
   Order order_;
   std::shared_ptr<const ConeForest> forest_;
-  std::vector<std::uint32_t> frontier_;  // entries of one level that may hold silhouettes
-  std::vector<std::uint32_t> below_;
-  std::vector<silhouette::OpenLeaf> open_;
-  // kLastFrameFirst: open leaves that held silhouettes in the last frame, and others. Never shrink.
-  std::vector<silhouette::OpenLeaf> firsts_;
-  std::vector<silhouette::OpenLeaf> others_;
-  std::vector<LastFrame> lastFrames_;  // kLastFrameFirst: by tree
+  silhouette::OpenNodes frontier_;  // entries of one level that may hold silhouettes
+  silhouette::OpenNodes below_;
+  silhouette::OpenLeaves open_;
+  // kLastFrameFirst: those that held silhouettes in the last frame; open_ has the others.
+  silhouette::OpenLeaves firsts_;
+  std::vector<Hits> hits_;  // kLastFrameFirst: by tree
   // kLastFrameFirst, for the first frame: seeds, and by vertex slot of a seed the tree and leaf.
   SeedSlots seeds_;
 

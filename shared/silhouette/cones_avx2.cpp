@@ -2,7 +2,7 @@
 // The loops of cones.cpp eight lanes at a time. Planes: the same integers. Cones: within the slack
 // they allow for.
 #include "shared/silhouette/cones_search.h"
-#include "shared/view/anchored_cone.h"
+#include "shared/view/anchored_pyramid.h"
 
 #if LIMN_SILHOUETTE_AVX2
 
@@ -34,45 +34,94 @@ LIMN_TARGET_AVX2 inline __m256 relative(__m256 eye, const float* center, __m256 
 
 // Where the eye is from eight children.
 struct ToEye8 {
-  __m256 x, y, z, square;
+  __m256 x, y, z;
 };
 
 LIMN_TARGET_AVX2 inline ToEye8 toEyeOf(const Node& node, const Eye8& eye) {
-  ToEye8 q;
-  q.x = relative(eye.x, node.centerX.data(), eye.w);
-  q.y = relative(eye.y, node.centerY.data(), eye.w);
-  q.z = relative(eye.z, node.centerZ.data(), eye.w);
-  q.square = dot(q.x, q.y, q.z, q.x, q.y, q.z);
-  return q;
+  return {
+      relative(eye.x, node.centerX.data(), eye.w),
+      relative(eye.y, node.centerY.data(), eye.w),
+      relative(eye.z, node.centerZ.data(), eye.w)};
+}
+
+LIMN_TARGET_AVX2 inline __m256i load8(const std::uint16_t* values) {
+  return _mm256_cvtepu16_epi32(_mm_load_si128(reinterpret_cast<const __m128i*>(values)));
+}
+
+LIMN_TARGET_AVX2 inline __m256 load8(const std::array<std::int16_t, 8>& values) {
+  const __m128i shorts = _mm_load_si128(reinterpret_cast<const __m128i*>(values.data()));
+  return _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(shorts));
+}
+
+LIMN_TARGET_AVX2 inline __m256 along(
+    const std::array<std::array<std::int16_t, 8>, 3>& vectors,
+    const ToEye8& q) {
+  return dot(q.x, q.y, q.z, load8(vectors[0]), load8(vectors[1]), load8(vectors[2]));
 }
 
 LIMN_TARGET_AVX2 inline std::uint32_t
 openOf(const Node& node, const Eye8& eye, const ToEye8& q, __m256 slack) {
-  const __m256 zero = _mm256_setzero_ps();
-  const __m256 along =
-      dot(q.x,
-          q.y,
-          q.z,
-          _mm256_load_ps(node.axisX.data()),
-          _mm256_load_ps(node.axisY.data()),
-          _mm256_load_ps(node.axisZ.data()));
+  const __m256 sign = _mm256_set1_ps(-0.0F);
+  const __m256 middle = along(node.axis, q);
   const __m256 across = _mm256_add_ps(
-      _mm256_sub_ps(q.square, _mm256_mul_ps(along, along)),
-      _mm256_mul_ps(_mm256_set1_ps(ConeSlack::kSquare), q.square));
+      _mm256_add_ps(
+          _mm256_andnot_ps(sign, along(node.side1, q)),
+          _mm256_andnot_ps(sign, along(node.side2, q))),
+      slack);
   const __m256 front = _mm256_mul_ps(_mm256_load_ps(node.front.data()), eye.w);
   const __m256 back = _mm256_mul_ps(_mm256_load_ps(node.back.data()), eye.w);
-  const __m256 inFront = _mm256_sub_ps(_mm256_sub_ps(along, front), slack);
-  const __m256 inBack = _mm256_add_ps(_mm256_sub_ps(along, back), slack);
-  // At most one of the two is on its cone's side: back ≤ front.
-  const __m256 isInFront = _mm256_cmp_ps(inFront, zero, _CMP_GT_OQ);
-  const __m256 isInBack = _mm256_cmp_ps(inBack, zero, _CMP_LT_OQ);
-  const __m256 depth =
-      _mm256_or_ps(_mm256_and_ps(isInFront, inFront), _mm256_andnot_ps(isInFront, inBack));
-  const __m256 reach =
-      _mm256_mul_ps(_mm256_mul_ps(depth, depth), _mm256_load_ps(node.cotSquared.data()));
-  const __m256 closed =
-      _mm256_and_ps(_mm256_or_ps(isInFront, isInBack), _mm256_cmp_ps(reach, across, _CMP_GE_OQ));
-  return ~static_cast<std::uint32_t>(_mm256_movemask_ps(closed)) & 0xFFU;
+  const __m256 isFront = _mm256_cmp_ps(_mm256_add_ps(middle, front), across, _CMP_GT_OQ);
+  const __m256 isBack =
+      _mm256_cmp_ps(_mm256_add_ps(middle, back), _mm256_xor_ps(across, sign), _CMP_LT_OQ);
+  return ~static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_or_ps(isFront, isBack))) & 0xFFU;
+}
+
+// By mask of eight: the lanes that it names, one after the other.
+struct LaneTable {
+  alignas(64) std::array<std::array<std::uint8_t, 8>, 256> lanes;
+};
+
+constexpr LaneTable kLanes = [] {
+  LaneTable table{};
+  for (std::uint32_t mask = 0; mask < 256; ++mask) {
+    std::size_t count = 0;
+    for (std::uint8_t i = 0; i < 8; ++i) {
+      if ((mask >> i & 1U) != 0) table.lanes[mask][count++] = i;
+    }
+  }
+  return table;
+}();
+
+LIMN_TARGET_AVX2 inline __m256i lanesOf(std::uint32_t mask) {
+  return _mm256_cvtepu8_epi32(
+      _mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLanes.lanes[mask].data())));
+}
+
+template <class Word>
+LIMN_TARGET_AVX2 inline void store8(Word* to, __m256i words) {
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), words);
+}
+
+// The eight children of a node.
+LIMN_TARGET_AVX2 inline __m256i childrenOf(std::uint32_t node) {
+  return _mm256_add_epi32(
+      _mm256_set1_epi32(static_cast<int>(8 * node)),
+      _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+}
+
+// Eight leaves as a list has them.
+struct Leaves8 {
+  __m256i leaf, eyeXy, eyeZw, doubt;
+};
+
+// Appends those that the mask names: eight are written, however many count.
+LIMN_TARGET_AVX2 inline void append(const Leaves8& leaves, std::uint32_t mask, OpenLeaves& open) {
+  const __m256i lanes = lanesOf(mask);
+  store8(open.leaf.data() + open.count, _mm256_permutevar8x32_epi32(leaves.leaf, lanes));
+  store8(open.eyeXy.data() + open.count, _mm256_permutevar8x32_epi32(leaves.eyeXy, lanes));
+  store8(open.eyeZw.data() + open.count, _mm256_permutevar8x32_epi32(leaves.eyeZw, lanes));
+  store8(open.doubt.data() + open.count, _mm256_permutevar8x32_epi32(leaves.doubt, lanes));
+  open.count += static_cast<std::size_t>(std::popcount(mask));
 }
 
 // 1 / √x to within 2⁻²²: the estimate (2⁻¹¹) and one step of Newton's.
@@ -166,7 +215,7 @@ testLeaf(const Query& query, const OpenLeaf& open, const Leaf& leaf) {
   auto mask = static_cast<std::uint32_t>(maskOf(front));
   const auto doubtful = mask ^ static_cast<std::uint32_t>(maskOf(notBack));
   if (doubtful != 0) [[unlikely]] {
-    mask = settleDoubts(query, open.leaf, leaf, mask, doubtful);
+    mask = settleDoubts(query, open, leaf, mask, doubtful);
     front = bytesOf(mask);
   }
   const FacingTable table = {
@@ -188,75 +237,70 @@ LIMN_TARGET_AVX2 void openChildrenAvx2(
     const Query& query,
     std::size_t level,
     std::span<const std::uint32_t> parents,
-    std::vector<std::uint32_t>& open) {
+    OpenNodes& open) {
   const std::vector<Node>& nodes = query.tree->levels[level];
   const std::size_t children = query.tree->childrenOf(level);
   const Eye8 eye = broadcast(query.eye);
   const __m256 slack = _mm256_set1_ps(query.slack);
-  for (const std::uint32_t n : parents) {
-    const std::uint32_t mask = openOf(nodes[n], eye, toEyeOf(nodes[n], eye), slack);
-    appendChildren(n, mask & existing(children, n), open);
+  open.makeRoom(8 * parents.size() + 8);
+  std::uint32_t* out = open.nodes.data() + open.count;
+  for (std::size_t p = 0; p < parents.size(); ++p) {
+    prefetchNodes(nodes, parents, p);
+    const std::uint32_t n = parents[p];
+    const std::uint32_t mask =
+        openOf(nodes[n], eye, toEyeOf(nodes[n], eye), slack) & existing(children, n);
+    store8(out, _mm256_permutevar8x32_epi32(childrenOf(n), lanesOf(mask)));
+    out += std::popcount(mask);
   }
+  open.count = static_cast<std::size_t>(out - open.nodes.data());
 }
 
-LIMN_TARGET_AVX2 void openLeavesAvx2(
-    const Query& query,
-    std::span<const std::uint32_t> parents,
-    std::vector<OpenLeaf>& open) {
+LIMN_TARGET_AVX2 void
+openLeavesAvx2(const Query& query, std::span<const std::uint32_t> parents, const LeafLists& lists) {
   const std::vector<Node>& nodes = query.tree->levels[0];
   const std::size_t leaves = query.tree->leafCount();
   const Eye8 eye = broadcast(query.eye);
   const __m256 slack = _mm256_set1_ps(query.slack);
   const __m256 scale = _mm256_set1_ps(kPlaneScale);
   const __m256 nearest = _mm256_set1_ps(kNearest);
-  const __m256 rounding =
-      _mm256_set1_ps(query.slack * kRoundingShare * (kPlaneScale * kPlaneScale));
-  open.resize(8 * parents.size() + 4);
-  std::size_t count = 0;
-  for (const std::uint32_t n : parents) {
+  const __m256 rounding = _mm256_set1_ps(query.slack * kRoundingShare);
+  const bool hasFirsts = !lists.lastHits.empty();
+  lists.others->makeRoom(8 * parents.size() + 8);
+  if (hasFirsts) lists.firsts->makeRoom(8 * parents.size() + 8);
+  for (std::size_t p = 0; p < parents.size(); ++p) {
+    prefetchNodes(nodes, parents, p);
+    const std::uint32_t n = parents[p];
     const ToEye8 q = toEyeOf(nodes[n], eye);
-    std::uint32_t mask = openOf(nodes[n], eye, q, slack) & existing(leaves, n);
-    if (mask == 0) continue;
-    const __m256 square = _mm256_max_ps(q.square, _mm256_set1_ps(1e-30F));
-    const __m256 inverse = inverseRoot(square);
+    const std::uint32_t mask = openOf(nodes[n], eye, q, slack) & existing(leaves, n);
+    const __m256 square = dot(q.x, q.y, q.z, q.x, q.y, q.z);
+    const __m256 inverse = inverseRoot(_mm256_max_ps(square, _mm256_set1_ps(1e-30F)));
     const __m256 factor = _mm256_mul_ps(inverse, scale);
-    const __m256 nearness =
-        _mm256_mul_ps(_mm256_mul_ps(_mm256_load_ps(nodes[n].radius.data()), eye.w), inverse);
+    const __m256 radius = _mm256_castsi256_ps(_mm256_slli_epi32(load8(nodes[n].radius.data()), 16));
+    const __m256 nearness = _mm256_mul_ps(_mm256_mul_ps(radius, eye.w), inverse);
     const __m256 roundings = _mm256_mul_ps(rounding, inverse);
     const __m256 isSure = _mm256_and_ps(
         _mm256_cmp_ps(nearness, nearest, _CMP_LE_OQ),
         _mm256_cmp_ps(roundings, _mm256_set1_ps(kMostRounding), _CMP_LT_OQ));
     const __m256i doubt = _mm256_cvtps_epi32(_mm256_add_ps(roundings, _mm256_set1_ps(kPlaneError)));
-    const __m256i xy = pairs(_mm256_mul_ps(q.x, factor), _mm256_mul_ps(q.y, factor));
-    const __m256i zw =
-        pairs(_mm256_mul_ps(q.z, factor), _mm256_mul_ps(_mm256_min_ps(nearness, nearest), scale));
-    alignas(32) std::int32_t xys[8];
-    alignas(32) std::int32_t zws[8];
-    alignas(32) std::int32_t doubts[8];
-    _mm256_store_si256(reinterpret_cast<__m256i*>(xys), xy);
-    _mm256_store_si256(reinterpret_cast<__m256i*>(zws), zw);
-    _mm256_store_si256(
-        reinterpret_cast<__m256i*>(doubts),
-        _mm256_blendv_epi8(_mm256_set1_epi32(kNothingSure), doubt, _mm256_castps_si256(isSure)));
-    // Four at a time, as in collect().
-    const auto children = static_cast<std::size_t>(std::popcount(mask));
-    for (std::size_t c = 0; c < children; c += 4) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        const std::uint32_t i = static_cast<std::uint32_t>(std::countr_zero(mask)) & 7U;
-        open[count + c + k] = {8 * n + i, xys[i], zws[i], doubts[i]};
-        mask &= mask - 1;
-      }
+    const Leaves8 open = {
+        childrenOf(n),
+        pairs(_mm256_mul_ps(q.x, factor), _mm256_mul_ps(q.y, factor)),
+        pairs(_mm256_mul_ps(q.z, factor), _mm256_mul_ps(_mm256_min_ps(nearness, nearest), scale)),
+        _mm256_blendv_epi8(_mm256_set1_epi32(kNothingSure), doubt, _mm256_castps_si256(isSure))};
+    if (!hasFirsts) {
+      append(open, mask, *lists.others);
+      continue;
     }
-    count += children;
+    append(open, mask & lists.lastHits[n], *lists.firsts);
+    append(open, mask & ~std::uint32_t{lists.lastHits[n]}, *lists.others);
   }
-  open.resize(count);
 }
 
 LIMN_TARGET_AVX2 void searchLeavesAvx2(
     const Query& query,
-    std::span<const OpenLeaf> leaves,
+    const OpenLeaves& leaves,
     SilhouetteResult& result,
-    std::vector<std::uint32_t>* hits) {
+    std::span<std::uint8_t> hits) {
   if (result.kind == SilhouetteKind::kEdges) {
     searchWith<EdgeLeaf>(query, leaves, result, hits, testLeaf<EdgeLeaf>, collect<EdgeLeaf>);
   } else {

@@ -49,7 +49,7 @@ testLeaf(const Query& query, const OpenLeaf& open, const Leaf& leaf) {
   if (front != notBack) [[unlikely]] {
     const auto known = static_cast<std::uint32_t>(_mm512_movepi8_mask(table));
     const auto doubtful = static_cast<std::uint32_t>(_mm512_movepi8_mask(bySites(front ^ notBack)));
-    const std::uint32_t settled = settleDoubts(query, open.leaf, leaf, known, doubtful);
+    const std::uint32_t settled = settleDoubts(query, open, leaf, known, doubtful);
     table = _mm512_movm_epi8(std::uint64_t{settled} << 32 | settled);
   }
   const __m512i first = _mm512_permutexvar_epi8(load64(leaf.sites[0].data()), table);
@@ -104,9 +104,9 @@ collect(const FaceLeaf& leaf, const FaceId* faces, const LeafHits& found, HitBuf
 
 LIMN_TARGET_AVX512 void searchLeavesAvx512(
     const Query& query,
-    std::span<const OpenLeaf> leaves,
+    const OpenLeaves& leaves,
     SilhouetteResult& result,
-    std::vector<std::uint32_t>* hits) {
+    std::span<std::uint8_t> hits) {
   if (result.kind == SilhouetteKind::kEdges) {
     searchWith<EdgeLeaf>(
         query,

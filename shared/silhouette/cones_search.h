@@ -15,7 +15,7 @@
 /// silhouettes. Internal to shared/silhouette.
 namespace limn::silhouette {
 
-/// The eye, and the rounding that cone tests must allow for (ConeSlack).
+/// The eye, and the rounding that pyramids' tests must allow for (PyramidSlack, times kScale).
 struct Query {
   const SilhouetteField* field = nullptr;
   const ConeTree* tree = nullptr;
@@ -30,52 +30,59 @@ struct LeafHits {
   std::uint64_t firstIsFront = 0;  // site [0] is front
 };
 
+/// Where open leaves go: those that held silhouettes in the last frame apart.
+struct LeafLists {
+  std::span<const std::uint8_t> lastHits;  // by node, a bit a leaf; empty: none
+  OpenLeaves* firsts = nullptr;            // may be null where lastHits is empty
+  OpenLeaves* others = nullptr;
+};
+
 /// Appends to `open` the children of the nodes `parents` of a level that may hold silhouettes.
 void openChildrenPortable(
     const Query& query,
     std::size_t level,
     std::span<const std::uint32_t> parents,
-    std::vector<std::uint32_t>& open);
+    OpenNodes& open);
 
 /// The same for the lowest level.
 void openLeavesPortable(
     const Query& query,
     std::span<const std::uint32_t> parents,
-    std::vector<OpenLeaf>& open);
+    const LeafLists& lists);
 
-/// Tests leaves and appends to `result` what they hold; appends those that hold any to `hits`
-/// unless that is null.
+/// Tests leaves and appends to `result` what they hold; in `hits` (by node, a bit a leaf; may be
+/// empty) it marks those that hold any.
 void searchLeavesPortable(
     const Query& query,
-    std::span<const OpenLeaf> leaves,
+    const OpenLeaves& leaves,
     SilhouetteResult& result,
-    std::vector<std::uint32_t>* hits);
+    std::span<std::uint8_t> hits);
 
 #if LIMN_SILHOUETTE_AVX2
 void openChildrenAvx2(
     const Query& query,
     std::size_t level,
     std::span<const std::uint32_t> parents,
-    std::vector<std::uint32_t>& open);
+    OpenNodes& open);
 void openLeavesAvx2(
     const Query& query,
     std::span<const std::uint32_t> parents,
-    std::vector<OpenLeaf>& open);
+    const LeafLists& lists);
 void searchLeavesAvx2(
     const Query& query,
-    std::span<const OpenLeaf> leaves,
+    const OpenLeaves& leaves,
     SilhouetteResult& result,
-    std::vector<std::uint32_t>* hits);
+    std::span<std::uint8_t> hits);
 void searchLeavesAvx512(
     const Query& query,
-    std::span<const OpenLeaf> leaves,
+    const OpenLeaves& leaves,
     SilhouetteResult& result,
-    std::vector<std::uint32_t>* hits);
+    std::span<std::uint8_t> hits);
 #endif
 
 /// The slack's share that is the field's own rounding, 4.01 u (|eye| + extent), and some more: it
-/// has 64 u (ConeSlack).
-inline constexpr float kRoundingShare = 0.125F;
+/// has 64 u (PyramidSlack). Times kPlaneScale: the slack has that once, plane values twice.
+inline constexpr float kRoundingShare = 0.125F * kPlaneScale;
 /// Rounding from which nothing is sure, either.
 inline constexpr float kMostRounding = 1e9F;
 /// The doubt of leaves that are too near: no value is sure.
@@ -87,26 +94,39 @@ inline constexpr std::int32_t kNothingSure = 0x7FFFFFFF;
   return left >= 8 ? 0xFFU : (1U << left) - 1;
 }
 
-inline void
-appendChildren(std::uint32_t parent, std::uint32_t mask, std::vector<std::uint32_t>& open) {
-  for (; mask != 0; mask &= mask - 1) {
-    open.push_back(8 * parent + static_cast<std::uint32_t>(std::countr_zero(mask)));
-  }
+/// Asks for nodes that will be tested a few nodes on.
+inline void prefetchNodes(
+    const std::vector<Node>& nodes,
+    std::span<const std::uint32_t> parents,
+    std::size_t i) {
+  constexpr std::size_t kAhead = 6;
+  if (i + kAhead >= parents.size()) return;
+  const auto* next = reinterpret_cast<const char*>(&nodes[parents[i + kAhead]]);
+  for (std::size_t line = 0; line < sizeof(Node); line += 64)
+    __builtin_prefetch(next + line);
 }
 
 /// Sides of a leaf's sites, bit i: site i is front. doubtful: those that the field must decide.
 template <class Leaf>
 [[nodiscard]] std::uint32_t settleDoubts(
     const Query& query,
-    std::uint32_t leafIndex,
+    const OpenLeaf& open,
     const Leaf& leaf,
     std::uint32_t front,
     std::uint32_t doubtful);
 
-extern template std::uint32_t
-settleDoubts<EdgeLeaf>(const Query&, std::uint32_t, const EdgeLeaf&, std::uint32_t, std::uint32_t);
-extern template std::uint32_t
-settleDoubts<FaceLeaf>(const Query&, std::uint32_t, const FaceLeaf&, std::uint32_t, std::uint32_t);
+extern template std::uint32_t settleDoubts<EdgeLeaf>(
+    const Query&,
+    const OpenLeaf&,
+    const EdgeLeaf&,
+    std::uint32_t,
+    std::uint32_t);
+extern template std::uint32_t settleDoubts<FaceLeaf>(
+    const Query&,
+    const OpenLeaf&,
+    const FaceLeaf&,
+    std::uint32_t,
+    std::uint32_t);
 
 /// Collects found items in pieces: a vector that grows by a few at a time clears what it is about
 /// to be given.
@@ -187,11 +207,10 @@ template <class Leaf>
 
 /// Asks for the leaf that will be tested a few leaves on.
 template <class Leaf>
-inline void
-prefetchAhead(const std::vector<Leaf>& all, std::span<const OpenLeaf> leaves, std::size_t i) {
+inline void prefetchAhead(const std::vector<Leaf>& all, const OpenLeaves& leaves, std::size_t i) {
   constexpr std::size_t kAhead = 4;
-  if (i + kAhead >= leaves.size()) return;
-  const auto* next = reinterpret_cast<const char*>(&all[leaves[i + kAhead].leaf]);
+  if (i + kAhead >= leaves.count) return;
+  const auto* next = reinterpret_cast<const char*>(&all[leaves.leaf[i + kAhead]]);
   for (std::size_t line = 0; line < sizeof(Leaf); line += 64)
     __builtin_prefetch(next + line);
 }
@@ -203,9 +222,9 @@ prefetchAhead(const std::vector<Leaf>& all, std::span<const OpenLeaf> leaves, st
 template <class Leaf, class Test, class Collect>
 inline __attribute__((always_inline)) void searchWith(
     const Query& query,
-    std::span<const OpenLeaf> leaves,
+    const OpenLeaves& leaves,
     SilhouetteResult& result,
-    std::vector<std::uint32_t>* hits,
+    std::span<std::uint8_t> hits,
     Test testLeaf,
     Collect collectLeaf) {
   struct Hit {
@@ -222,23 +241,27 @@ inline __attribute__((always_inline)) void searchWith(
   std::array<Hit, kBatch + 1> held;
   std::uint32_t sites = 0;
   std::uint32_t items = 0;
-  for (std::size_t begin = 0; begin < leaves.size(); begin += kBatch) {
-    const std::size_t end = std::min(begin + kBatch, leaves.size());
+  for (std::size_t begin = 0; begin < leaves.count; begin += kBatch) {
+    const std::size_t end = std::min(begin + kBatch, leaves.count);
     std::size_t count = 0;
     for (std::size_t i = begin; i < end; ++i) {
       prefetchAhead(all, leaves, i);
-      const Leaf& leaf = all[leaves[i].leaf];
+      const OpenLeaf open = leaves[i];
+      const Leaf& leaf = all[open.leaf];
       sites += leaf.siteCount;
       items += leaf.itemCount;
-      const FaceId* faces = facesOf(*query.tree, leaves[i].leaf, leaf);
-      held[count] = {&leaf, faces, leaves[i].leaf, testLeaf(query, leaves[i], leaf)};
+      const FaceId* faces = facesOf(*query.tree, open.leaf, leaf);
+      held[count] = {&leaf, faces, open.leaf, testLeaf(query, open, leaf)};
       __builtin_prefetch(faces);
       __builtin_prefetch(faces + kFacesInLine);
       count += held[count].found.differing != 0 ? 1 : 0;
     }
     for (std::size_t h = 0; h < count; ++h) {
       collectLeaf(*held[h].leaf, held[h].faces, held[h].found, buffer);
-      if (hits != nullptr) hits->push_back(held[h].index);
+      if (!hits.empty()) {
+        const std::uint32_t leaf = held[h].index;
+        hits[leaf / 8] = static_cast<std::uint8_t>(hits[leaf / 8] | 1U << (leaf % 8));
+      }
     }
   }
   result.stats.sitesTested += sites;

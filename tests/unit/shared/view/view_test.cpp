@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/core/camera.h"
 #include "shared/core/rng.h"
-#include "shared/view/anchored_cone.h"
+#include "shared/view/anchored_pyramid.h"
 #include "shared/view/frustum.h"
 #include "shared/view/normal_cone.h"
 
@@ -108,37 +108,72 @@ TEST(NormalCone, MergedWithEverythingIsEverything) {
   EXPECT_EQ(mergedCone({{0.0, 0.0, 1.0}, 1.0}, opposed).cosHalf, -1.0);
 }
 
-TEST(AnchoredCone, NeverClaimsMoreThanTheFloatPlanesSay) {
+TEST(AnchoredPyramid, NeverClaimsMoreThanTheFloatPlanesSay) {
   Rng rng(2);
   int claims = 0;
   for (int trial = 0; trial < 300; ++trial) {
     const glm::dvec3 center = 5000.0 * randomUnit(rng);
     const auto planes = randomPlanes(rng, center, randomUnit(rng), 0.6 * rng.uniform());
-    const AnchoredCone cone = fitAnchoredCone(planes, glm::vec3(center));
+    const AnchoredPyramid pyramid = fitAnchoredPyramid(planes, glm::vec3(center));
     for (int i = 0; i < 200; ++i) {
       const double distance = std::pow(10.0, 1.0 + 4.5 * rng.uniform());
       const glm::vec4 eye = i % 4 == 0
                                 ? glm::vec4(glm::vec3(randomUnit(rng)), 0.0F)
                                 : glm::vec4(glm::vec3(center + distance * randomUnit(rng)), 1.0F);
-      const ConeSide side = sideOf(cone, eye, 6000.0F);
+      const PlanesSide side = sideOf(pyramid, eye, 6000.0F);
       const int front = countFront(planes, eye);
-      if (side == ConeSide::kFront) {
+      if (side == PlanesSide::kFront) {
         ASSERT_EQ(front, 32);
       }
-      if (side == ConeSide::kBack) {
+      if (side == PlanesSide::kBack) {
         ASSERT_EQ(front, 0);
       }
-      claims += side == ConeSide::kUnknown ? 0 : 1;
+      claims += side == PlanesSide::kUnknown ? 0 : 1;
     }
   }
-  EXPECT_GT(claims, 20000);  // of 60,000: the cones do prove something
+  EXPECT_GT(claims, 20000);  // of 60,000: they do prove something
 }
 
-TEST(AnchoredCone, WithAPlaneWithoutAreaIsEmpty) {
+TEST(AnchoredPyramid, WithAPlaneWithoutAreaIsEmpty) {
   const std::array<glm::vec4, 2> planes = {glm::vec4(0, 0, 1, 0), glm::vec4(0)};
-  const AnchoredCone cone = fitAnchoredCone(planes, glm::vec3(0));
-  EXPECT_EQ(sideOf(cone, glm::vec4(0, 0, 10, 1), 1.0F), ConeSide::kUnknown);
-  EXPECT_EQ(sideOf(cone, glm::vec4(0, 0, 1, 0), 1.0F), ConeSide::kUnknown);
+  const AnchoredPyramid pyramid = fitAnchoredPyramid(planes, glm::vec3(0));
+  EXPECT_EQ(sideOf(pyramid, glm::vec4(0, 0, 10, 1), 1.0F), PlanesSide::kUnknown);
+  EXPECT_EQ(sideOf(pyramid, glm::vec4(0, 0, 1, 0), 1.0F), PlanesSide::kUnknown);
+}
+
+// A round cone about normals 0.6 rad apart would say nothing of an eye less than 0.3 rad above.
+TEST(AnchoredPyramid, IsNarrowWhereNormalsTurnOneWayOnly) {
+  Rng rng(4);
+  for (int trial = 0; trial < 50; ++trial) {
+    const glm::dvec3 up = randomUnit(rng);
+    const glm::dvec3 along = glm::normalize(glm::cross(up, randomUnit(rng)));
+    const glm::dvec3 across = glm::cross(up, along);
+    std::vector<glm::vec4> planes;
+    for (int i = 0; i < 32; ++i) {
+      const double turn = 0.3 * (2.0 * rng.uniform() - 1.0);
+      const glm::dvec3 n = std::cos(turn) * up + std::sin(turn) * across;
+      planes.emplace_back(glm::vec3(n), static_cast<float>(-glm::dot(n, n - up)));
+    }
+    const AnchoredPyramid pyramid = fitAnchoredPyramid(planes, glm::vec3(0));
+    const glm::vec4 eye(glm::vec3(1000.0 * (along + 0.05 * up)), 1.0F);
+    EXPECT_EQ(sideOf(pyramid, eye, 2.0F), PlanesSide::kFront);
+    const glm::vec4 below(glm::vec3(1000.0 * (along - 0.05 * up)), 1.0F);
+    EXPECT_EQ(sideOf(pyramid, below, 2.0F), PlanesSide::kBack);
+  }
+}
+
+TEST(AnchoredPyramid, OfOnePlaneKnowsItsSidesAlmostEverywhere) {
+  Rng rng(5);
+  for (int trial = 0; trial < 100; ++trial) {
+    const glm::dvec3 n = randomUnit(rng);
+    const std::vector<glm::vec4> planes(32, glm::vec4(glm::vec3(3.0 * n), 0.0F));
+    const AnchoredPyramid pyramid = fitAnchoredPyramid(planes, glm::vec3(0));
+    const glm::dvec3 beside = glm::normalize(glm::cross(n, randomUnit(rng)));
+    const glm::vec4 above(glm::vec3(beside + 0.001 * n), 0.0F);
+    EXPECT_EQ(sideOf(pyramid, above, 1.0F), PlanesSide::kFront);
+    const glm::vec4 below(glm::vec3(beside - 0.001 * n), 0.0F);
+    EXPECT_EQ(sideOf(pyramid, below, 1.0F), PlanesSide::kBack);
+  }
 }
 
 TEST(Frustum, ContainsWhatProjectsIntoTheClipCube) {
