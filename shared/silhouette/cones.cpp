@@ -204,12 +204,12 @@ void openLeavesPortable(
   lists.others->makeRoom(8 * parents.size());
   if (!lists.lastHits.empty()) lists.firsts->makeRoom(8 * parents.size());
   for (const std::uint32_t n : parents) {
-    const std::uint32_t firsts = lists.lastHits.empty() ? 0U : lists.lastHits[n];
     for (std::uint32_t mask = openOf(query, nodes[n]) & existing(children, n); mask != 0;
          mask &= mask - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(mask));
-      OpenLeaves& to = (firsts >> i & 1U) != 0 ? *lists.firsts : *lists.others;
       const OpenLeaf open = openLeaf(query, nodes[n], n, i);
+      const bool isFirst = !lists.lastHits.empty() && lists.lastHits[open.leaf] != 0;
+      OpenLeaves& to = isFirst ? *lists.firsts : *lists.others;
       to.leaf[to.count] = open.leaf;
       to.eyeXy[to.count] = open.eyeXy;
       to.eyeZw[to.count] = open.eyeZw;
@@ -244,7 +244,7 @@ ConesDetector::ConesDetector(
     forest_ = std::make_shared<const ConeForest>(field, options.coneTangentScale);
   if (order != Order::kLastFrameFirst) return;
   for (const silhouette::ConeTree& tree : forest_->trees())
-    hits_.push_back({{}, std::vector<std::uint8_t>((tree.leafCount() + 7) / 8, 0)});
+    hits_.push_back({{}, std::vector<std::uint8_t>((tree.leafCount() + 7) / 8 * 8, 0)});
   if (options.seeds != nullptr) placeSeeds(options);
 }
 
@@ -289,8 +289,7 @@ void ConesDetector::startFromSeeds(const glm::vec3& toEye) {
           slot,
           [](const Place& place, std::uint32_t wanted) { return place.slot < wanted; });
       if (at == seedPlaces_.end() || at->slot != slot) continue;
-      std::uint8_t& leaves = hits_[at->tree].thisFrame[at->leaf / 8];
-      leaves = static_cast<std::uint8_t>(leaves | 1U << (at->leaf % 8));
+      hits_[at->tree].thisFrame[at->leaf] = silhouette::kHit;
       ++result_.stats.seedsTried;
     }
   }

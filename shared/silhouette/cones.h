@@ -75,7 +75,7 @@ class ConesDetector final : public SilhouetteDetector {
   [[nodiscard]] std::size_t memoryBytes() const override;
 
  private:
-  // Of one tree, by node above the leaves, a bit a leaf: which held silhouettes.
+  // Of one tree, a byte a leaf: kHit where it held silhouettes. To whole nodes.
   struct Hits {
     std::vector<std::uint8_t> lastFrame;
     std::vector<std::uint8_t> thisFrame;

@@ -291,8 +291,10 @@ openLeavesAvx2(const Query& query, std::span<const std::uint32_t> parents, const
       append(open, mask, *lists.others);
       continue;
     }
-    append(open, mask & lists.lastHits[n], *lists.firsts);
-    append(open, mask & ~std::uint32_t{lists.lastHits[n]}, *lists.others);
+    const auto* last = reinterpret_cast<const __m128i*>(lists.lastHits.data() + 8 * std::size_t{n});
+    const auto firsts = static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_loadl_epi64(last)));
+    append(open, mask & firsts, *lists.firsts);
+    append(open, mask & ~firsts, *lists.others);
   }
 }
 

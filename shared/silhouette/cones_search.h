@@ -30,9 +30,12 @@ struct LeafHits {
   std::uint64_t firstIsFront = 0;  // site [0] is front
 };
 
+/// A leaf that held silhouettes.
+inline constexpr std::uint8_t kHit = 0xFF;
+
 /// Where open leaves go: those that held silhouettes in the last frame apart.
 struct LeafLists {
-  std::span<const std::uint8_t> lastHits;  // by node, a bit a leaf; empty: none
+  std::span<const std::uint8_t> lastHits;  // by leaf, kHit or 0; empty: none
   OpenLeaves* firsts = nullptr;            // may be null where lastHits is empty
   OpenLeaves* others = nullptr;
 };
@@ -50,8 +53,8 @@ void openLeavesPortable(
     std::span<const std::uint32_t> parents,
     const LeafLists& lists);
 
-/// Tests leaves and appends to `result` what they hold; in `hits` (by node, a bit a leaf; may be
-/// empty) it marks those that hold any.
+/// Tests leaves and appends to `result` what they hold; in `hits` (by leaf; may be empty) it marks
+/// those that hold any.
 void searchLeavesPortable(
     const Query& query,
     const OpenLeaves& leaves,
@@ -258,10 +261,7 @@ inline __attribute__((always_inline)) void searchWith(
     }
     for (std::size_t h = 0; h < count; ++h) {
       collectLeaf(*held[h].leaf, held[h].faces, held[h].found, buffer);
-      if (!hits.empty()) {
-        const std::uint32_t leaf = held[h].index;
-        hits[leaf / 8] = static_cast<std::uint8_t>(hits[leaf / 8] | 1U << (leaf % 8));
-      }
+      if (!hits.empty()) hits[held[h].index] = kHit;
     }
   }
   result.stats.sitesTested += sites;
