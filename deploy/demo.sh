@@ -80,6 +80,7 @@ start_server() {
     port=$(free_port $((8600 + 20 * (attempt - 1))))
     metrics=$(free_port $((9600 + 20 * (attempt - 1))))
     if [ -n "$keep" ]; then ignore=nohup; else ignore=; fi
+    : >"$work/server.log"  # there to be read, however late the server starts
     # shellcheck disable=SC2086
     $ignore "$bin/limn-server" --store "$work/store" --listen "127.0.0.1:$port" \
       --metrics-listen "127.0.0.1:$metrics" >"$work/server.log" 2>&1 </dev/null &
@@ -125,20 +126,24 @@ say "preparing $model"
 start_server
 say "drawing over the network from $address"
 "$bin/limn-client" render --server "$address" --model "$model" --until settled --error-px 0.3 --camera "$camera" \
-  --size 1400x1400 --style pencil --width 5 --out "$picture" --report "$work/report.json" || die "drawing failed (above); the server's log is $work/server.log"
+  --size 1400x1400 --report "$work/report.json" || die "streaming failed (above); the server's log is $work/server.log"
+# What lies inside the outline bends with every face, so this picture takes them all.
+"$bin/limn-client" render --server "$address" --model "$model" --until complete --camera "$camera" --size 1400x1400 \
+  --features suggestive --hidden off --style pencil --width 5 --out "$picture" --report "$work/complete.json" ||
+  die "drawing failed (above); the server's log is $work/server.log"
 
-python3 - "$work/prepare.json" "$work/report.json" "$work/$model.off" <<'EOF'
+python3 - "$work/prepare.json" "$work/report.json" "$work/complete.json" "$work/$model.off" <<'EOF'
 import json, os, sys
-with open(sys.argv[1]) as f: prepared = json.load(f)
-with open(sys.argv[2]) as f: report = json.load(f)
+prepared, report, complete = (json.load(open(path)) for path in sys.argv[1:4])
 if isinstance(prepared, list): prepared = prepared[0]
 mesh = prepared["mesh"]
 print("   prepared: %s faces, file %.2f MB, complete stream %.0f kB" % (
-    format(mesh["faces"], ","), os.path.getsize(sys.argv[3]) / 1e6,
+    format(mesh["faces"], ","), os.path.getsize(sys.argv[4]) / 1e6,
     sum(prepared["bytes"][part] for part in ("base", "level_blocks", "splits")) / 1e3))
-print("   settled with %s of %s splits: %.0f kB received, %.2f s after the start" % (
+print("   the outline has settled with %s of %s splits: %.0f kB received, %.2f s after the start" % (
     format(report["mesh"]["splits_held"], ","), format(report["mesh"]["splits_total"], ","),
     report["bytes"]["received"] / 1e3, report["seconds"]["settled"] or 0))
+print("   with all of them: %.0f kB, %.2f s" % (complete["bytes"]["received"] / 1e3, complete["seconds"]["complete"] or 0))
 EOF
 say "the picture is $picture"
 if [ -n "$keep" ]; then
