@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/chain_crossings.h"
 #include "client/stroke/polyline.h"
 
 #include "shared/mesh/cracks.h"
@@ -20,6 +21,9 @@ namespace limn {
 /// chainer should live as long as its view. Threads: one caller at a time.
 class SilhouetteChainer {
  public:
+  /// most: of the machine's vector instructions to use; the lines are the same.
+  explicit SilhouetteChainer(VectorCode most = VectorCode::kAvx512);
+
   /// Every segment of `found` becomes a segment of exactly one line. Lines run with the front side
   /// to their left (seen from outside), never cross one another, and close wherever the mesh has no
   /// border (given all silhouettes). kEdges: where more than two edges meet, a line goes on along
@@ -35,9 +39,6 @@ class SilhouetteChainer {
   void linkFaces(const SilhouetteField& field, const glm::vec4& eye, std::span<const FaceId> faces);
   [[nodiscard]] std::uint32_t
   successorOf(const HalfEdgeMesh& mesh, std::span<const HalfEdgeId> edges, HalfEdgeId h) const;
-  void
-  nameCrossings(const SilhouetteField& field, const glm::vec4& eye, std::span<const FaceId> faces);
-  void linkNeighbours();
   void linkRest();
   void begin(std::size_t count);
   void makeRoom();
@@ -49,15 +50,11 @@ class SilhouetteChainer {
   PolylineSet lines_;
   bool hadEdges_ = false;      // lines_.halfEdges has names of edges
   std::size_t openLines_ = 0;  // segments that nothing leads to
-  // By segment; smooth: names, keys and isContinued with a margin before and after.
-  std::vector<std::uint64_t> names_;       // what leads into it: its first vertex, or the edge
-  std::vector<std::uint64_t> nextNames_;   // what it leads to
-  std::vector<std::uint32_t> keys_;        // smooth: of names_
-  std::vector<std::uint32_t> next_;        // the one that goes on from it, or kNone
-  std::vector<std::uint8_t> isContinued_;  // whether one leads to it; always with the margin
-  std::vector<glm::vec4> ends_;            // smooth: where it leaves its face
-  // Smooth: segments that no near one goes on from, and that go on from none near.
-  std::vector<std::uint32_t> unjoined_;
+  VectorCode vectorCode_;
+  std::vector<chaining::Passage> passages_;  // edges: a segment's first and last vertex
+  chaining::Crossings crossings_;            // smooth
+  chaining::NearJoins joins_;                // edges: next and isContinued only, of any segments
+  /// Smooth: segments that go on from none near.
   std::vector<std::uint32_t> begins_;
   /// Segments by a hash of their names, linear probing; kNone: empty.
   std::vector<std::uint32_t> table_;

@@ -5,7 +5,7 @@
 
 /// Vector code is chosen at run time: functions compiled for AVX2 and AVX-512 beside a portable one
 /// that does the same operations in the same order (this library is compiled without contraction,
-/// so results agree to the last bit). Internal to shared/silhouette.
+/// so results agree to the last bit). For shared/silhouette and the chaining of client/stroke.
 #if defined(__x86_64__)
 #define LIMN_SILHOUETTE_AVX2 1
 #include <immintrin.h>

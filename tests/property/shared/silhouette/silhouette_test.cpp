@@ -209,7 +209,7 @@ TEST(Silhouette, ConesTakeAtMost24BytesAFaceOfALargeMesh) {
   }
 }
 
-TEST(Silhouette, ConesFindTheSameWithAndWithoutVectorCode) {
+TEST(Silhouette, ConesAndExactFindTheSameWithAndWithoutVectorCode) {
   const TriangleMesh shape = primitives::bumpySphere(5, 7);
   const HalfEdgeMesh mesh = link(shape);
   for (const SilhouetteKind kind : kKinds) {
@@ -217,8 +217,10 @@ TEST(Silhouette, ConesFindTheSameWithAndWithoutVectorCode) {
     const auto brute = makeDetector(DetectorMethod::kBrute, field);
     for (const VectorCode code : kVectorCodes) {
       const auto cones = makeDetector(DetectorMethod::kCones, field, with(code));
+      const auto exact = makeDetector(DetectorMethod::kExact, field, with(code));
       for (const SilhouetteView& view : testing::randomViews(shape, 50, 5)) {
         ASSERT_EQ(sorted(cones->detect(view)), sorted(brute->detect(view)));
+        ASSERT_EQ(sorted(exact->detect(view)), sorted(brute->detect(view)));
       }
     }
   }
@@ -333,6 +335,30 @@ TEST(Chain, EverySegmentIsChainedOnceAndClosedMeshesGiveLoops) {
     expectWellChained(subject, 30);
   for (const corpus::Mesh& subject : nearlyDegenerate())
     expectWellChained(subject, 30);
+}
+
+TEST(Chain, GivesTheSameLinesWithAndWithoutVectorCode) {
+  const TriangleMesh shape = primitives::bumpySphere(4, 9);
+  const HalfEdgeMesh mesh = link(shape);
+  const SilhouetteField field(mesh, shape.positions, SilhouetteKind::kSmooth);
+  const auto cones = makeDetector(DetectorMethod::kCones, field);
+  SilhouetteChainer portable(VectorCode::kPortable);
+  for (const VectorCode code : kVectorCodes) {
+    SilhouetteChainer vectorised(code);
+    for (const SilhouetteView& view : testing::randomViews(shape, 50, 12)) {
+      const SilhouetteResult& found = cones->detect(view);
+      const PolylineSet& expected = portable.chain(field, view, found);
+      const PolylineSet& lines = vectorised.chain(field, view, found);
+      ASSERT_EQ(lines.points, expected.points);
+      ASSERT_EQ(lines.faces, expected.faces);
+      ASSERT_EQ(lines.lines.size(), expected.lines.size());
+      for (std::size_t l = 0; l < lines.lines.size(); ++l) {
+        ASSERT_EQ(lines.lines[l].begin, expected.lines[l].begin);
+        ASSERT_EQ(lines.lines[l].end, expected.lines[l].end);
+        ASSERT_EQ(lines.lines[l].closed, expected.lines[l].closed);
+      }
+    }
+  }
 }
 
 TEST(Chain, EverySegmentIsChainedOnceOnRealModels) {
