@@ -4,13 +4,15 @@
 import contextlib
 import json
 import os
+import pathlib
 import shutil
-import struct
 import subprocess
+import sys
 import time
 import unittest
-import zlib
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import png
 from harness import BIN, DEADLINE_S, Case, Server, hills, torus, write_obj
 
 
@@ -75,6 +77,7 @@ class Window:
             self.key("p" if suffix == ".png" else "v")
             with contextlib.suppress(AssertionError):
                 wait_for(path.exists, path.name, 5)
+        self.last = path
         return path.read_bytes()
 
     def quit(self):
@@ -87,33 +90,10 @@ class Window:
         return json.loads((self.folder / "report.json").read_text())
 
 
-def ink(png):
-    """Share of dark pixels of an 8-bit RGBA PNG without filters, or with any: rows are unfiltered."""
-    width, height = struct.unpack(">II", png[16:24])
-    channels = {2: 3, 6: 4}[png[25]]
-    data, at = b"", 8
-    while at < len(png):
-        size, kind = struct.unpack(">I4s", png[at:at + 8])
-        data += png[at + 8:at + 8 + size] if kind == b"IDAT" else b""
-        at += size + 12
-    raw, stride = zlib.decompress(data), width * channels
-    before, dark = bytearray(stride), 0
-    for y in range(height):
-        kind, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
-        for i in range(stride):
-            a = row[i - channels] if i >= channels else 0
-            b = before[i]
-            c = before[i - channels] if i >= channels else 0
-            if kind == 4:
-                p = a + b - c
-                pa, pb, pc = abs(p - a), abs(p - b), abs(p - c)
-                predicted = a if pa <= pb and pa <= pc else b if pb <= pc else c
-            else:
-                predicted = (0, a, b, (a + b) // 2)[kind]
-            row[i] = (row[i] + predicted) & 255
-        dark += sum(1 for i in range(0, stride, channels) if row[i] < 128)
-        before = row
-    return dark / (width * height)
+def ink(path):
+    """Share of dark pixels."""
+    width, height, rows = png.read(path)
+    return sum(sum(red < 128 for red in row[::3]) for row in rows) / (width * height)
 
 
 @unittest.skipUnless(shutil.which("Xvfb") and shutil.which("xdotool"), "Xvfb and xdotool are not installed")
@@ -125,8 +105,8 @@ class View(Case):
         with Server(self.store) as server, Window(self.folder, "--server", server.url, "--model", "one") as window:
             wait_for(lambda: "one" in window.xdotool("getwindowname", window.window), "the model")
             first = window.picture(1)
-            self.assertEqual(struct.unpack(">II", first[16:24]), (800, 600))
-            self.assertGreater(ink(first), 0.001)
+            self.assertEqual(png.read(window.last)[:2], (800, 600))
+            self.assertGreater(ink(window.last), 0.001)
             window.drag(1, 120, 40)
             turned = window.picture(2)
             self.assertNotEqual(turned, first)
@@ -154,6 +134,27 @@ class View(Case):
             self.assertEqual(len(report["saved"]), 8)
             self.assertNotEqual(json.loads((self.folder / "memory.json").read_text())["style"], "pencil")
 
+    def test_every_key_and_every_control_of_the_menu_can_be_used(self):
+        self.prepare_shape("one", torus(48, 24))
+        self.prepare_shape("two", hills(20, 20))
+        with Server(self.store) as server, Window(self.folder, "--server", server.url, "--model", "one") as window:
+            wait_for(lambda: "one" in window.xdotool("getwindowname", window.window), "the model")
+            window.picture(1)
+            for key in ("F1", "F1", "n", "b", "s", "a", "s", "d", "w", "w", "x", "o", "l", "t", "m", "m", "h"):
+                window.key(key)
+            # From the bottom up, so that a section that opens does not move those still closed; then all that they
+            # hold: what a list offers lies below it, where the next click goes.
+            clicks = [("mousemove", 60, y, "click", 1, "sleep", 0.05) for y in [*range(440, 20, -8), *range(30, 590, 8)]]
+            window.xdotool(*(word for click in clicks for word in click))
+            window.xdotool("mousemove", 600, 400, "click", "--repeat", 2, "--delay", 80, 1)  # flies there
+            self.assertIsNone(window.client.poll(), "the window is gone")
+            report = window.quit()
+        self.assertGreater(len(report["saved"]), 1)  # a button saves, too
+        chosen = json.loads((self.folder / "memory.json").read_text())
+        before = {"style": "pencil", "draw": "strokes", "hidden": "style", "orthographic": False, "width_px": 0.0,
+                  "texture_size": 1.0, "detector": "exact"}
+        self.assertGreater(sum(chosen[key] != value for key, value in before.items()), 3, chosen)
+
     def test_a_lost_server_is_found_again(self):
         self.prepare_shape("one", torus(48, 24))
         with Server(self.store) as server, Window(self.folder, "--server", server.url) as window:
@@ -176,7 +177,8 @@ class View(Case):
         mesh = write_obj(self.folder / "mesh.obj", torus(24, 12))
         with Window(self.folder, "--mesh", mesh) as window:
             wait_for(lambda: "mesh" in window.xdotool("getwindowname", window.window), "the mesh")
-            self.assertGreater(ink(window.picture(1, model="mesh")), 0.001)
+            window.picture(1, model="mesh")
+            self.assertGreater(ink(window.last), 0.001)
             window.quit()
 
 
