@@ -79,7 +79,7 @@ LeafHits testLeaf(const Query& query, const OpenLeaf& open, const Leaf& leaf) {
     doubtful |= static_cast<std::uint32_t>(value <= open.doubt && value >= -open.doubt) << i;
   }
   if (doubtful != 0) front = settleDoubts(query, open, leaf, front, doubtful);
-  LeafHits found;
+  LeafHits found{};
   if (front == 0 || front == 0xFFFFFFFFU) return found;
   const auto sideOf = [&](std::size_t k, std::size_t i) {
     return std::uint64_t{front >> (leaf.sites[k][i] & 31U) & 1U};
@@ -330,25 +330,30 @@ void ConesDetector::searchTree(const SilhouetteView& view, std::size_t index) {
 #endif
   openTree(query);
   const std::span<const std::uint32_t> parents = frontier_.held();
-  open_.count = 0;
-  if (order_ == Order::kTree) {
-    // In pieces, so that the list of open leaves stays in a near cache.
-    constexpr std::size_t kNodes = 128;
-    for (std::size_t begin = 0; begin < parents.size(); begin += kNodes) {
-      const std::size_t count = std::min(kNodes, parents.size() - begin);
-      open_.count = 0;
-      openLeaves(query, parents.subspan(begin, count), {{}, nullptr, &open_});
-      searchLeaves(query, open_, result_, {});
-    }
-    return;
+  std::span<const std::uint8_t> last;
+  std::span<std::uint8_t> hits;
+  if (order_ == Order::kLastFrameFirst) {
+    Hits& of = hits_[index];
+    std::swap(of.lastFrame, of.thisFrame);
+    of.thisFrame.assign(of.lastFrame.size(), 0);
+    last = of.lastFrame;
+    hits = of.thisFrame;
   }
-  Hits& hits = hits_[index];
-  std::swap(hits.lastFrame, hits.thisFrame);
-  hits.thisFrame.assign(hits.lastFrame.size(), 0);
-  firsts_.count = 0;
-  openLeaves(query, parents, {hits.lastFrame, &firsts_, &open_});
-  searchLeaves(query, firsts_, result_, hits.thisFrame);
-  searchLeaves(query, open_, result_, hits.thisFrame);
+  // In pieces, so that the list of open leaves stays in a near cache. What the audit has to look at
+  // waits till the end.
+  constexpr std::size_t kNodes = 128;
+  audit_.count = 0;
+  for (std::size_t begin = 0; begin < parents.size(); begin += kNodes) {
+    const auto piece = parents.subspan(begin, std::min(kNodes, parents.size() - begin));
+    open_.count = 0;
+    if (last.empty()) {
+      openLeaves(query, piece, {{}, nullptr, &open_});
+    } else {
+      openLeaves(query, piece, {last, &open_, &audit_});
+    }
+    searchLeaves(query, open_, result_, hits);
+  }
+  searchLeaves(query, audit_, result_, hits);
 }
 
 // Every node over leaves that may hold silhouettes.
@@ -376,7 +381,7 @@ std::size_t ConesDetector::memoryBytes() const {
   std::size_t bytes = forest_->memoryBytes();
   for (const Hits& hits : hits_)
     bytes += hits.lastFrame.size() + hits.thisFrame.size();
-  return bytes + open_.memoryBytes() + firsts_.memoryBytes() +
+  return bytes + open_.memoryBytes() + audit_.memoryBytes() +
          (frontier_.nodes.size() + below_.nodes.size() + result_.edges.capacity() +
           result_.faces.capacity()) *
              sizeof(std::uint32_t);

@@ -93,8 +93,8 @@ class ConesDetector final : public SilhouetteDetector {
   silhouette::OpenNodes frontier_;  // entries of one level that may hold silhouettes
   silhouette::OpenNodes below_;
   silhouette::OpenLeaves open_;
-  // kLastFrameFirst: those that held silhouettes in the last frame; open_ has the others.
-  silhouette::OpenLeaves firsts_;
+  // kLastFrameFirst: open leaves that held no silhouettes in the last frame; open_ has the others.
+  silhouette::OpenLeaves audit_;
   std::vector<Hits> hits_;  // kLastFrameFirst: by tree
   // kLastFrameFirst, for the first frame: seeds, and by vertex slot of a seed the tree and leaf.
   SeedSlots seeds_;

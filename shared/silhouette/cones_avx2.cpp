@@ -114,15 +114,45 @@ struct Leaves8 {
   __m256i leaf, eyeXy, eyeZw, doubt;
 };
 
-// Appends those that the mask names: eight are written, however many count.
-LIMN_TARGET_AVX2 inline void append(const Leaves8& leaves, std::uint32_t mask, OpenLeaves& open) {
-  const __m256i lanes = lanesOf(mask);
-  store8(open.leaf.data() + open.count, _mm256_permutevar8x32_epi32(leaves.leaf, lanes));
-  store8(open.eyeXy.data() + open.count, _mm256_permutevar8x32_epi32(leaves.eyeXy, lanes));
-  store8(open.eyeZw.data() + open.count, _mm256_permutevar8x32_epi32(leaves.eyeZw, lanes));
-  store8(open.doubt.data() + open.count, _mm256_permutevar8x32_epi32(leaves.doubt, lanes));
-  open.count += static_cast<std::size_t>(std::popcount(mask));
-}
+// A list being added to. Held apart: every vector that is stored might otherwise have changed where
+// the list is.
+class LeafWriter {
+ public:
+  // Room for `most`; null: nothing will be added.
+  LeafWriter(OpenLeaves* open, std::size_t most) : open_(open) {
+    if (open == nullptr) return;
+    open->makeRoom(most + 8);
+    leaf_ = open->leaf.data();
+    eyeXy_ = open->eyeXy.data();
+    eyeZw_ = open->eyeZw.data();
+    doubt_ = open->doubt.data();
+    count_ = open->count;
+  }
+
+  // Those that the mask names: eight are written, however many count.
+  LIMN_TARGET_AVX2 inline __attribute__((always_inline)) void append(
+      const Leaves8& leaves,
+      std::uint32_t mask) {
+    const __m256i lanes = lanesOf(mask);
+    store8(leaf_ + count_, _mm256_permutevar8x32_epi32(leaves.leaf, lanes));
+    store8(eyeXy_ + count_, _mm256_permutevar8x32_epi32(leaves.eyeXy, lanes));
+    store8(eyeZw_ + count_, _mm256_permutevar8x32_epi32(leaves.eyeZw, lanes));
+    store8(doubt_ + count_, _mm256_permutevar8x32_epi32(leaves.doubt, lanes));
+    count_ += static_cast<std::size_t>(std::popcount(mask));
+  }
+
+  void finish() const {
+    if (open_ != nullptr) open_->count = count_;
+  }
+
+ private:
+  OpenLeaves* open_;
+  std::uint32_t* leaf_ = nullptr;
+  std::int32_t* eyeXy_ = nullptr;
+  std::int32_t* eyeZw_ = nullptr;
+  std::int32_t* doubt_ = nullptr;
+  std::size_t count_ = 0;
+};
 
 // 1 / √x to within 2⁻²²: the estimate (2⁻¹¹) and one step of Newton's.
 LIMN_TARGET_AVX2 inline __m256 inverseRoot(__m256 x) {
@@ -265,8 +295,8 @@ openLeavesAvx2(const Query& query, std::span<const std::uint32_t> parents, const
   const __m256 nearest = _mm256_set1_ps(kNearest);
   const __m256 rounding = _mm256_set1_ps(query.slack * kRoundingShare);
   const bool hasFirsts = !lists.lastHits.empty();
-  lists.others->makeRoom(8 * parents.size() + 8);
-  if (hasFirsts) lists.firsts->makeRoom(8 * parents.size() + 8);
+  LeafWriter others(lists.others, 8 * parents.size());
+  LeafWriter firsts(hasFirsts ? lists.firsts : nullptr, 8 * parents.size());
   for (std::size_t p = 0; p < parents.size(); ++p) {
     prefetchNodes(nodes, parents, p);
     const std::uint32_t n = parents[p];
@@ -288,14 +318,16 @@ openLeavesAvx2(const Query& query, std::span<const std::uint32_t> parents, const
         pairs(_mm256_mul_ps(q.z, factor), _mm256_mul_ps(_mm256_min_ps(nearness, nearest), scale)),
         _mm256_blendv_epi8(_mm256_set1_epi32(kNothingSure), doubt, _mm256_castps_si256(isSure))};
     if (!hasFirsts) {
-      append(open, mask, *lists.others);
+      others.append(open, mask);
       continue;
     }
     const auto* last = reinterpret_cast<const __m128i*>(lists.lastHits.data() + 8 * std::size_t{n});
-    const auto firsts = static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_loadl_epi64(last)));
-    append(open, mask & firsts, *lists.firsts);
-    append(open, mask & ~firsts, *lists.others);
+    const auto hits = static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_loadl_epi64(last)));
+    firsts.append(open, mask & hits);
+    others.append(open, mask & ~hits);
   }
+  others.finish();
+  firsts.finish();
 }
 
 LIMN_TARGET_AVX2 void searchLeavesAvx2(

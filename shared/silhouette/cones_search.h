@@ -26,8 +26,8 @@ struct Query {
 
 /// What the test of a leaf found; bits are items.
 struct LeafHits {
-  std::uint64_t differing = 0;     // sites are not all alike
-  std::uint64_t firstIsFront = 0;  // site [0] is front
+  std::uint64_t differing;     // sites are not all alike
+  std::uint64_t firstIsFront;  // site [0] is front
 };
 
 /// A leaf that held silhouettes.
