@@ -42,7 +42,7 @@ class PictureThread::Artist {
         std::max(1, static_cast<int>(std::lround(scale * order.viewport.width)));
     options.viewport.height =
         std::max(1, static_cast<int>(std::lround(scale * order.viewport.height)));
-    if (options.widthPx) *options.widthPx *= scale;
+    options.pixelScale = scale;
     options.supersample = order.detail.supersample;
     auto frame = renderer_->render(*order.snapshot, found.lines, order.camera, options);
     if (!frame) return tl::unexpected(frame.error());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/svg_file.h"
 
+#include "client/apps/drawing_options.h"
 #include "client/render/assets.h"
 #include "client/render/style_files.h"
 #include "client/svg/stroke_shape.h"
@@ -45,12 +46,15 @@ Result<std::string> svgFile(
   svg.model = options.source.meshFile.empty() ? modelName : options.source.meshFile.stem().string();
   svg.creator = std::string("limn-client ") + LIMN_VERSION;
   const StrokeStyle style = withTextureSize(files->style, options.textureSize);
-  const auto widthPx = static_cast<float>(options.widthPx.value_or(style.widthPx));
+  const RenderOptions render = renderOptionsOf(options);
+  const float widthPx = lineWidthPx(render, style, camera);
+  svg.widthFalloff = lineWidthFalloff(render);
   svg.visible = penOf(style.visible, files->visible, style, widthPx);
   if (options.hidden == HiddenLines::kStyle) {
     svg.hidden = penOf(style.hidden, files->hidden, style, widthPx);
   } else if (options.hidden == HiddenLines::kAsVisible) {
     svg.hidden = svg.visible;
+    svg.hiddenAsVisible = true;
   }
   const LineScene scene{
       snapshot.mesh.mesh(),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/render/draw_options.h"
 
+#include "client/stroke/stroke_builder.h"
+
 #include <algorithm>
 #include <array>
 
@@ -79,6 +81,18 @@ Result<HiddenLines> parseHiddenLines(std::string_view name) {
   return fail(
       ErrorCode::kInvalidArgument,
       "hidden lines cannot be '" + std::string(name) + "': use style, off or as-visible");
+}
+
+float lineWidthPx(const RenderOptions& options, const StrokeStyle& style, const Camera& camera) {
+  if (options.widthModelUnits) {
+    const float px = widthInPixels(*options.widthModelUnits, camera, options.viewport);
+    return std::clamp(px, 0.1F, 256.0F);
+  }
+  return static_cast<float>(options.pixelScale * options.widthPx.value_or(double{style.widthPx}));
+}
+
+float lineWidthFalloff(const RenderOptions& options) {
+  return options.widthModelUnits ? 1.0F : static_cast<float>(options.widthFalloff);
 }
 
 }  // namespace limn

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "client/stroke/brush.h"
+#include "client/stroke/style.h"
 
 #include "shared/core/camera.h"
 #include "shared/core/result.h"
@@ -76,9 +77,19 @@ struct RenderOptions {
   FirstLayer firstLayer = FirstLayer::kAuto;
   std::optional<glm::vec3> paper;  // background, sRGB 0 … 1; the style's own when unset
   std::uint32_t hullFaces = 500;   // kClip: of the outer hull, or as near from below
-  int supersample = 2;             // lines are drawn this many times larger and reduced; 1 to 4
-  bool keepDepth = false;          // also return the depth image (for segmentVisibility)
+  /// Pixels of this picture for each one that widths, brushes and styles count in: below 1 for a
+  /// coarse one that is shown enlarged.
+  double pixelScale = 1.0;
+  int supersample = 2;     // lines are drawn this many times larger and reduced; 1 to 4
+  bool keepDepth = false;  // also return the depth image (for segmentVisibility)
 };
+
+/// Of a line at the camera's target, pixels of the picture; style: for a width that is unset.
+[[nodiscard]] float
+lineWidthPx(const RenderOptions& options, const StrokeStyle& style, const Camera& camera);
+
+/// Widths go with distance to the power of −this.
+[[nodiscard]] float lineWidthFalloff(const RenderOptions& options);
 
 /// Wall-clock milliseconds of one frame, each pass finished before the next is timed.
 struct FrameTimings {

@@ -7,18 +7,11 @@
 #include "client/render/image_edges_method.h"
 #include "client/render/shaded_method.h"
 #include "client/render/strokes_method.h"
-#include "client/stroke/stroke_builder.h"
-
-#include <algorithm>
 
 namespace limn {
 
 float DrawRequest::lineWidthPx() const {
-  if (options.widthModelUnits) {
-    const float px = widthInPixels(*options.widthModelUnits, camera, options.viewport);
-    return std::clamp(px, 0.1F, 256.0F);
-  }
-  return static_cast<float>(options.widthPx.value_or(style.style.widthPx));
+  return limn::lineWidthPx(options, style.style, camera);
 }
 
 Result<std::unique_ptr<DrawingMethod>> makeDrawingMethod(DrawMode mode, DrawTools& tools) {

@@ -5,6 +5,7 @@
 #include "client/render/stroke_pass.h"
 
 #include "client/render/shaders/shaders.h"
+#include "client/stroke/line_density.h"
 #include "client/stroke/visibility.h"
 
 #include <algorithm>
@@ -34,12 +35,16 @@ Result<StrokePass> StrokePass::create(const gl::Api& api) {
   auto shape =
       gl::Program::build(api, "visible runs", shaders::kScreenVertex, shaders::kShapeFragment);
   if (!shape) return tl::unexpected(shape.error());
+  auto density =
+      gl::Program::build(api, "density", shaders::kDensityVertex, shaders::kDensityFragment);
+  if (!density) return tl::unexpected(density.error());
   auto stroke =
       gl::Program::build(api, "strokes", shaders::kStrokeVertex, shaders::kStrokeFragment);
   if (!stroke) return tl::unexpected(stroke.error());
   pass.testProgram_ = *std::move(test);
   pass.voteProgram_ = *std::move(vote);
   pass.shapeProgram_ = *std::move(shape);
+  pass.densityProgram_ = *std::move(density);
   pass.strokeProgram_ = *std::move(stroke);
   pass.noAttributes_ = gl::VertexArray::create(api);
   pass.strokeArray_ = gl::VertexArray::create(api);
@@ -144,6 +149,39 @@ Result<void> StrokePass::findVisibility(const SpineSamples& samples, const gl::T
   return {};
 }
 
+Result<void> StrokePass::findDensity(const SpineSamples& samples, const DrawOptions& options) {
+  const Viewport& viewport = options.viewport;
+  const gl::TextureSize cells{densityCells(viewport.width), densityCells(viewport.height)};
+  if (density_.size() != cells) {
+    auto map = gl::Target::create(
+        *api_,
+        "the density of lines",
+        {.size = cells, .color = gl::TexelFormat::kRg8});
+    if (!map) return tl::unexpected(map.error());
+    density_ = *std::move(map);
+  }
+  density_.bind();
+  api_->clearColor(0.0F, 0.0F, 0.0F, 0.0F);
+  api_->clear(GL_COLOR_BUFFER_BIT);
+  if (samples.samples.empty()) return {};
+  api_->bindVertexArray(noAttributes_.id());
+  densityProgram_.use();
+  densityProgram_.set("samples", 0);
+  densityProgram_.set("visibility", 1);
+  densityProgram_.set("hiddenMode", static_cast<int>(options.hidden));
+  densityProgram_.set(
+      "cellsInPicture",
+      glm::vec2(viewport.width, viewport.height) / static_cast<float>(kDensityCellPx));
+  densityProgram_.set("cellsInMap", glm::vec2(cells.width, cells.height));
+  gl::bindTexture(*api_, 0, sampleTexture_);
+  gl::bindTexture(*api_, 1, tested_.color());
+  api_->enable(GL_BLEND);
+  api_->blendFunc(GL_ONE, GL_ONE);
+  api_->drawArrays(GL_POINTS, 0, static_cast<GLsizei>(samples.samples.size()));
+  api_->disable(GL_BLEND);
+  return {};
+}
+
 void StrokePass::draw(
     const StrokeMesh& strokes,
     const LoadedStyle& style,
@@ -173,9 +211,19 @@ void StrokePass::draw(
   strokeProgram_.set("hiddenMode", static_cast<int>(options.hidden));
   strokeProgram_.set("body", style.style.body);
   strokeProgram_.set("rampPx", 2.0F * kRampSamples / options.samplesPerPx);
+  strokeProgram_.set("densityMap", 3);
+  strokeProgram_.set("cellPx", static_cast<float>(kDensityCellPx));
+  strokeProgram_.set(
+      "perCount",
+      1.0F / (options.samplesPerPx * static_cast<float>(kDensityCellPx * kDensityCellPx)));
+  strokeProgram_.set("inkShare", style.style.body);
+  strokeProgram_.set("inkPx", options.widthPx);
+  strokeProgram_.set("crowding", glm::vec3(kLargestShare, kLeastWidth, kLeastOpacity));
+  strokeProgram_.set("paling", glm::vec2(kPaleFrom, kPalest));
   gl::bindTexture(*api_, 0, tested_.color());
   gl::bindTexture(*api_, 1, style.visible);
   gl::bindTexture(*api_, 2, style.hidden);
+  gl::bindTexture(*api_, 3, density_.color());
   api_->enable(GL_BLEND);
   api_->blendEquation(GL_MAX);
   api_->blendFunc(GL_ONE, GL_ONE);
@@ -199,6 +247,20 @@ std::vector<float> StrokePass::readVisibility(std::size_t samples) const {
   for (std::size_t i = 0; i < samples; ++i)
     values[i] = static_cast<float>(texels[4 * i]) / 255.0F;
   return values;
+}
+
+std::vector<glm::ivec2> StrokePass::readDensity() const {
+  const gl::TextureSize size = density_.size();
+  density_.bind();
+  const std::size_t cells =
+      static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+  std::vector<std::uint8_t> texels(4 * cells);
+  api_->pixelStorei(GL_PACK_ALIGNMENT, 1);
+  api_->readPixels(0, 0, size.width, size.height, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+  std::vector<glm::ivec2> counts(cells);
+  for (std::size_t i = 0; i < cells; ++i)
+    counts[i] = {texels[4 * i], texels[4 * i + 1]};
+  return counts;
 }
 
 }  // namespace limn

@@ -32,9 +32,15 @@ class StrokePass {
     Viewport viewport;  // that the strokes' pixels count in
     Hidden hidden = Hidden::kStyle;
     float samplesPerPx = 1.0F;
+    float widthPx = 1.0F;  // of an ordinary stroke
   };
 
-  /// Clears target (kRg8) and lays the ink on, with the visibility found last.
+  /// Counts how densely lines lie (LineDensity), with the visibility found last, of the same
+  /// samples. Errors: kUnavailable.
+  [[nodiscard]] Result<void> findDensity(const SpineSamples& samples, const DrawOptions& options);
+
+  /// Clears target (kRg8) and lays the ink on, with the visibility and the density found last:
+  /// where lines crowd they are thinner, and hidden ones paler.
   void draw(
       const StrokeMesh& strokes,
       const LoadedStyle& style,
@@ -43,6 +49,8 @@ class StrokePass {
 
   /// The visibility found last, 0 … 1 a sample, read back. For tests.
   [[nodiscard]] std::vector<float> readVisibility(std::size_t samples) const;
+  /// The density found last, read back: visible and hidden samples, cell after cell. For tests.
+  [[nodiscard]] std::vector<glm::ivec2> readDensity() const;
 
  private:
   static constexpr int kAtlasWidth = 512;  // samples a row
@@ -52,6 +60,7 @@ class StrokePass {
   gl::Program testProgram_;
   gl::Program voteProgram_;
   gl::Program shapeProgram_;
+  gl::Program densityProgram_;
   gl::Program strokeProgram_;
   gl::VertexArray noAttributes_;
   gl::VertexArray strokeArray_;
@@ -62,6 +71,7 @@ class StrokePass {
   gl::Texture sampleTexture_;
   gl::Target tested_;  // and at last, with short runs left out
   gl::Target voted_;
+  gl::Target density_;  // visible and hidden samples in each cell of the picture
 };
 
 }  // namespace limn

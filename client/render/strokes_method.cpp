@@ -11,9 +11,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Cells in which the density of hidden lines is measured, pixels a side.
-constexpr int kDensityCell = 24;
-
 double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
@@ -39,12 +36,8 @@ Result<std::unique_ptr<DrawingMethod>> StrokesMethod::create(DrawTools& tools) {
   auto paper =
       gl::Program::build(tools.api(), "paper", shaders::kScreenVertex, shaders::kPaperFragment);
   if (!paper) return tl::unexpected(paper.error());
-  auto density =
-      gl::Program::build(tools.api(), "density", shaders::kScreenVertex, shaders::kDensityFragment);
-  if (!density) return tl::unexpected(density.error());
   method->pass_ = *std::move(pass);
   method->paperProgram_ = *std::move(paper);
-  method->densityProgram_ = *std::move(density);
   return method;
 }
 
@@ -64,47 +57,36 @@ StrokesMethod::draw(const DrawRequest& request, const gl::Target& picture, Frame
       request.snapshot.model.grid,
       request.camera,
       options.viewport};
-  const StrokeStyle style = withTextureSize(request.style.style, options.textureSize);
+  const auto scale = static_cast<float>(options.pixelScale);
+  const StrokeStyle style =
+      enlarged(withTextureSize(request.style.style, options.textureSize), scale);
+  Brush brush = options.brush;
+  brush.amplitudePx *= scale;
+  brush.wavelengthPx *= scale;
   const BuiltStrokes strokes = builder_.build(
       request.lines,
       scene,
       style,
       {.widthPx = request.lineWidthPx(),
-       .widthFalloff = options.widthModelUnits ? 1.0F : static_cast<float>(options.widthFalloff),
-       .brush = options.brush,
+       .widthFalloff = lineWidthFalloff(options),
+       .brush = brush,
        .samples = {.spacingPx = 1.0F, .maxSamples = StrokePass::kMaxSamples}});
   timings.strokeMs = millisecondsSince(start);
 
   start = Clock::now();
   if (auto found = pass_.findVisibility(strokes.samples, (*depth)->depth()); !found) return found;
+  const StrokePass::DrawOptions drawing{
+      .viewport = options.viewport,
+      .hidden = hiddenMode(options.hidden),
+      .widthPx = request.lineWidthPx()};
+  if (auto found = pass_.findDensity(strokes.samples, drawing); !found) return found;
   tools_.api().finish();
   timings.visibilityMs += millisecondsSince(start);
 
   const gl::Target::Options ink{.size = request.fineSize(), .color = gl::TexelFormat::kRg8};
   if (auto ok = tools_.fit(ink_, "the ink", ink); !ok) return ok;
-  pass_.draw(
-      strokes.mesh,
-      request.style,
-      {.viewport = options.viewport, .hidden = hiddenMode(options.hidden)},
-      ink_);
-  if (auto ok = findDensity(request); !ok) return ok;
+  pass_.draw(strokes.mesh, request.style, drawing, ink_);
   layOnPaper(request, picture);
-  return {};
-}
-
-Result<void> StrokesMethod::findDensity(const DrawRequest& request) {
-  const Viewport& viewport = request.options.viewport;
-  const gl::TextureSize cells{
-      (viewport.width + kDensityCell - 1) / kDensityCell,
-      (viewport.height + kDensityCell - 1) / kDensityCell};
-  const gl::Target::Options options{.size = cells, .color = gl::TexelFormat::kR8};
-  if (auto ok = tools_.fit(density_, "the density of lines", options); !ok) return ok;
-  density_.bind();
-  densityProgram_.use();
-  densityProgram_.set("inkMap", 0);
-  densityProgram_.set("cell", kDensityCell * request.supersample);
-  gl::bindTexture(tools_.api(), 0, ink_.color());
-  tools_.drawScreen();
   return {};
 }
 
@@ -112,9 +94,6 @@ void StrokesMethod::layOnPaper(const DrawRequest& request, const gl::Target& pic
   const StrokeStyle& style = request.style.style;
   picture.bind();
   paperProgram_.use();
-  paperProgram_.set("densityMap", 1);
-  paperProgram_.set("cell", static_cast<float>(kDensityCell));
-  gl::bindTexture(tools_.api(), 1, density_.color());
   paperProgram_.set("inkMap", 0);
   paperProgram_.set("supersample", request.supersample);
   paperProgram_.set("paper", request.paper);

@@ -23,16 +23,13 @@ class StrokesMethod final : public DrawingMethod {
  private:
   explicit StrokesMethod(DrawTools& tools) : tools_(tools) {}
 
-  [[nodiscard]] Result<void> findDensity(const DrawRequest& request);
   void layOnPaper(const DrawRequest& request, const gl::Target& picture) const;
 
   DrawTools& tools_;
   StrokeBuilder builder_;
   StrokePass pass_;
   gl::Program paperProgram_;
-  gl::Program densityProgram_;
-  gl::Target ink_;      // supersampled, kRg8
-  gl::Target density_;  // kR8, a texel a cell of kDensityCell pixels
+  gl::Target ink_;  // supersampled, kRg8
 };
 
 }  // namespace limn

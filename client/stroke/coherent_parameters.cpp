@@ -96,7 +96,7 @@ void CoherentParameters::assign(
   }
   freshParameters(spines, arcs, lines, periodPx, out);
   if (!marks_.empty()) {
-    look(scene);
+    look(scene, periodPx);
     for (std::size_t s = 0; s < spines.spines.size(); ++s) {
       vote(spines, arcs, s, scene);
       if (votes_.empty()) continue;
@@ -107,12 +107,15 @@ void CoherentParameters::assign(
   }
   leaveMarks(spines, arcs, scene, out);
   lastClipFromGrid_ = clipFromGrid;
+  lastPeriodPx_ = periodPx;
   lastPoints_ = spines.points;
   last_ = out;
 }
 
 /// Projects the marks and sorts them into cells of the picture.
-void CoherentParameters::look(const LineScene& scene) {
+void CoherentParameters::look(const LineScene& scene, float periodPx) {
+  // A picture of another size, or wider strokes: the same place in the texture.
+  const float scale = periodPx / lastPeriodPx_;
   const glm::dmat4 clipFromGrid = clipFromGridOf(scene);
   columns_ = scene.viewport.width / kCellPx + 1;
   rows_ = scene.viewport.height / kCellPx + 1;
@@ -126,7 +129,7 @@ void CoherentParameters::look(const LineScene& scene) {
       continue;
     }
     const glm::dvec3 pixel = pixelFromClip(clip, scene.viewport);
-    Seen seen{glm::vec2(pixel), glm::vec2(0.0F), 0.0F, mark.parameter};
+    Seen seen{glm::vec2(pixel), glm::vec2(0.0F), 0.0F, scale * mark.parameter};
     seen.distance = viewDistance(scene.camera, static_cast<float>(pixel.z));
     if (before != kNone) {
       const glm::vec2 step = seen.point - seen_[before].point;

@@ -58,7 +58,7 @@ class CoherentParameters {
     std::uint32_t end;
   };
 
-  void look(const LineScene& scene);
+  void look(const LineScene& scene, float periodPx);
   void
   vote(const SpineSet& spines, const SpineArcs& arcs, std::size_t spine, const LineScene& scene);
   void findRuns(float periodPx);
@@ -77,6 +77,7 @@ class CoherentParameters {
 
   std::vector<Mark> marks_;
   glm::dmat4 lastClipFromGrid_{0.0};
+  float lastPeriodPx_ = 1.0F;
   std::vector<glm::vec2> lastPoints_;
   SpineParameters last_;
   // Of the call.

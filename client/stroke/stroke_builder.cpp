@@ -19,6 +19,13 @@ float widthInPixels(double modelUnits, const Camera& camera, const Viewport& vie
   return static_cast<float>(modelUnits * pixelsPerUnit(camera, viewport, distance));
 }
 
+float widthFactor(const Camera& camera, float depth, float falloff) {
+  if (!(falloff > 0.0F) || camera.orthographic) return 1.0F;
+  const auto reference = static_cast<float>(glm::distance(camera.eye, camera.target));
+  const float nearness = reference / std::max(viewDistance(camera, depth), 1e-9F);
+  return std::clamp(std::pow(nearness, falloff), 1.0F / kLargestGrowth, kLargestGrowth);
+}
+
 BuiltStrokes StrokeBuilder::build(
     const PolylineSet& lines,
     const LineScene& scene,
@@ -52,11 +59,8 @@ void StrokeBuilder::findWidths(const PolylineSet& lines, const Camera& camera, f
   if (!falls && lines.strengths.empty()) return;
   widths_.assign(spines_.points.size(), 1.0F);
   if (falls) {
-    const auto reference = static_cast<float>(glm::distance(camera.eye, camera.target));
-    for (std::size_t i = 0; i < widths_.size(); ++i) {
-      const float nearness = reference / std::max(viewDistance(camera, spines_.depth[i]), 1e-9F);
-      widths_[i] = std::clamp(std::pow(nearness, falloff), 1.0F / kLargestGrowth, kLargestGrowth);
-    }
+    for (std::size_t i = 0; i < widths_.size(); ++i)
+      widths_[i] = widthFactor(camera, spines_.depth[i], falloff);
   }
   if (lines.strengths.empty()) return;
   for (std::size_t i = 0; i < widths_.size(); ++i)

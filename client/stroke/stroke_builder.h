@@ -30,6 +30,10 @@ struct StrokeBuildOptions {
 [[nodiscard]] float
 widthInPixels(double modelUnits, const Camera& camera, const Viewport& viewport);
 
+/// How many times as wide as at the camera's target a stroke is at a window depth, where widths go
+/// with distance to the power of −falloff; 1 for falloff 0 and for orthographic cameras.
+[[nodiscard]] float widthFactor(const Camera& camera, float depth, float falloff);
+
 /// What a frame's lines become for the GPU: strips, and the samples that say where they are hidden.
 struct BuiltStrokes {
   const SpineSamples& samples;

@@ -139,4 +139,18 @@ StrokeStyle withTextureSize(StrokeStyle style, double factor) {
   return style;
 }
 
+StrokeStyle enlarged(StrokeStyle style, float factor) {
+  for (float* length :
+       {&style.widthPx,
+        &style.taperPx,
+        &style.overshootPx,
+        &style.smoothPx,
+        &style.fadeBelowPx,
+        &style.fadeHiddenBelowPx,
+        &style.visible.lengthPx,
+        &style.hidden.lengthPx})
+    *length *= factor;
+  return style;
+}
+
 }  // namespace limn

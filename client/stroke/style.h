@@ -43,6 +43,9 @@ struct StrokeStyle {
 /// The style with its textures' repeats that many times as long.
 [[nodiscard]] StrokeStyle withTextureSize(StrokeStyle style, double factor);
 
+/// The style with every length that many times as long: for a picture that many times as large.
+[[nodiscard]] StrokeStyle enlarged(StrokeStyle style, float factor);
+
 /// `#rrggbb` as sRGB 0 … 1. Errors: kInvalidArgument.
 [[nodiscard]] Result<glm::vec3> parseColor(std::string_view text);
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/svg/svg_drawing.h"
 
+#include "client/stroke/line_density.h"
 #include "client/stroke/line_fade.h"
 #include "client/stroke/spine.h"
+#include "client/stroke/stroke_builder.h"
 #include "client/svg/curve_fit.h"
 #include "client/svg/path_data.h"
 #include "client/svg/visible_runs.h"
@@ -140,6 +142,56 @@ float meanStrength(const PolylineSet& lines, const SpineSet& spines, std::uint32
   return sum / static_cast<float>(spine.size());
 }
 
+/// How many times as wide as at the camera's target a spine's stroke is, in the mean: one path has
+/// one width.
+float meanWidthFactor(
+    const SpineSet& spines,
+    std::uint32_t index,
+    const Camera& camera,
+    float falloff) {
+  const SpineSet::Spine& spine = spines.spines[index];
+  float sum = 0.0F;
+  for (std::uint32_t i = spine.begin; i < spine.end; ++i)
+    sum += widthFactor(camera, spines.depth[i], falloff);
+  return sum / static_cast<float>(spine.size());
+}
+
+float widthOf(LineKind kind, const SvgPen& pen, const StrokeStyle& style) {
+  return pen.widthPx * (isInner(kind) ? style.creaseWidth : 1.0F);
+}
+
+/// visit(place, length) for short pieces of a run, one after another.
+template <class Visit>
+void alongRun(const VisibleRun& run, Visit visit) {
+  constexpr float kStepPx = 4.0F;
+  const std::size_t count = run.points.size();
+  for (std::size_t i = 0; i + 1 < count + (run.closed ? 1 : 0); ++i) {
+    const glm::vec2 from = run.points[i];
+    const glm::vec2 to = run.points[(i + 1) % count];
+    const float length = glm::distance(from, to);
+    const float steps = std::max(1.0F, std::ceil(length / kStepPx));
+    for (float k = 0.5F; k < steps; ++k)
+      visit(glm::mix(from, to, k / steps), length / steps);
+  }
+}
+
+/// What a run keeps of itself among others, in the mean.
+Crowding
+crowdingOf(const VisibleRun& run, bool isVisible, const LineDensity& density, float widthPx) {
+  Crowding sum{0.0F, 0.0F};
+  float total = 0.0F;
+  alongRun(run, [&](const glm::vec2& at, float length) {
+    const glm::vec2 d = density.at(at);
+    const Crowding here =
+        isVisible ? crowdingOfVisible(d.x, widthPx) : crowdingOfHidden(d.y, widthPx);
+    sum.width += length * here.width;
+    sum.opacity += length * here.opacity;
+    total += length;
+  });
+  if (!(total > 0.0F)) return {};
+  return {sum.width / total, sum.opacity / total};
+}
+
 std::string
 layerHead(const KindName& kind, bool visible, const SvgPen& pen, const StrokeStyle& style) {
   const char* suffix = visible ? "visible" : "hidden";
@@ -147,9 +199,7 @@ layerHead(const KindName& kind, bool visible, const SvgPen& pen, const StrokeSty
                     attribute("inkscape:label", std::string(kind.label) + ", " + suffix) +
                     attribute("id", std::string(kind.id) + "-" + suffix) + " fill=\"none\"" +
                     attribute("stroke", colorText(pen.color)) +
-                    attribute(
-                        "stroke-width",
-                        number(pen.widthPx * (isInner(kind.kind) ? style.creaseWidth : 1.0F)));
+                    attribute("stroke-width", number(widthOf(kind.kind, pen, style)));
   // Round caps would close the gaps between dashes.
   out += attribute("stroke-linecap", pen.dashPx.empty() ? "round" : "butt");
   out += attribute("stroke-linejoin", "round");
@@ -180,6 +230,12 @@ std::string svgDrawing(
   const SpineArcs arcs = measureSpines(spines);
   const std::vector<VisibleRun> runs = cutAtVisibility(spines, arcs, lines, resolved, scene);
 
+  LineDensity density(scene.viewport);
+  for (const VisibleRun& run : runs) {
+    const bool isVisible = run.visible || options.hiddenAsVisible;
+    alongRun(run, [&](const glm::vec2& at, float length) { density.add(at, isVisible, length); });
+  }
+
   std::string out = head(scene, style, options);
   for (const bool visible : {false, true}) {
     if (!visible && !options.hidden) continue;
@@ -195,8 +251,16 @@ std::string svgDrawing(
         if (isEmpty) out += layerHead(kind, visible, pen, style);
         isEmpty = false;
         const PathEnds ends = run.closed ? PathEnds::kClosed : PathEnds::kOpen;
+        const float usual = widthOf(kind.kind, pen, style);
+        const float width =
+            usual * meanWidthFactor(spines, run.spine, scene.camera, options.widthFalloff);
+        const bool isVisible = visible || options.hiddenAsVisible;
+        const Crowding crowding = crowdingOf(run, isVisible, density, isVisible ? width : usual);
+        const float opacity = strength * crowding.opacity;
         out += "<path";
-        if (strength < 0.995F) out += attribute("opacity", number(strength));
+        if (std::abs(width * crowding.width - usual) > 0.05F * usual)
+          out += attribute("stroke-width", number(width * crowding.width));
+        if (opacity < 0.995F) out += attribute("opacity", number(opacity));
         out += attribute("d", pathData(fitPath(run.points, ends), ends)) + "/>\n";
       }
       if (!isEmpty) out += "</g>\n";

@@ -27,6 +27,8 @@ struct SvgOptions {
   std::string creator;  // program and version
   SvgPen visible;
   std::optional<SvgPen> hidden;  // unset: hidden lines are left out
+  bool hiddenAsVisible = false;  // hidden lines count among the visible ones where those crowd
+  float widthFalloff = 0.0F;     // of both pens: StrokeBuildOptions has it
 };
 
 /// Lines as an SVG document that a designer can go on with: a layer (as Inkscape has them) for each

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/svg/visible_runs.h"
 
+#include "client/stroke/visibility.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace limn {
 namespace {
+
+/// Between the longest run of samples, a pixel apart, that the picture leaves out, and the next.
+constexpr float kShortestPx = kShortRun + 0.5F;
 
 /// A run of one visibility up to distance `end` along its spine.
 struct Stretch {
@@ -32,13 +37,14 @@ class SpineCutter {
     clipFromGrid_[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
   }
 
-  void cut(std::uint32_t index, float shortestPx, std::vector<VisibleRun>& out) {
+  void cut(std::uint32_t index, std::vector<VisibleRun>& out) {
     const SpineSet::Spine& spine = spines_.spines[index];
     length_ = arcs_.length[index];
     if (!(length_ > 0.0F)) return;
     collect(spine);
     join();
-    suppress(spine.closed, shortestPx);
+    suppress(spine.closed, false);
+    suppress(spine.closed, true);
     emit(spine, index, out);
   }
 
@@ -117,24 +123,18 @@ class SpineCutter {
     return own;
   }
 
-  void suppress(bool closed, float shortestPx) {
-    while (stretches_.size() > 1) {
-      std::size_t shortest = 0;
-      for (std::size_t i = 1; i < stretches_.size(); ++i) {
-        if (lengthOf(i, closed) < lengthOf(shortest, closed)) shortest = i;
-      }
-      if (!(lengthOf(shortest, closed) < shortestPx)) return;
-      const bool wraps = closed && stretches_.front().visible == stretches_.back().visible &&
-                         (shortest == 0 || shortest + 1 == stretches_.size());
-      if (wraps) {
-        if (stretches_.size() == 2) return;
-        stretches_.front().visible = !stretches_.front().visible;
-        stretches_.back().visible = stretches_.front().visible;
-      } else {
-        stretches_[shortest].visible = !stretches_[shortest].visible;
-      }
-      join();
+  /// Stretches of a visibility that are shorter than the picture shows take on that of what is
+  /// around them.
+  void suppress(bool closed, bool visible) {
+    const std::size_t count = stretches_.size();
+    if (count < 2) return;
+    std::vector<std::uint8_t> goes(count, 0);
+    for (std::size_t i = 0; i < count; ++i)
+      goes[i] = stretches_[i].visible == visible && lengthOf(i, closed) < kShortestPx ? 1 : 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (goes[i] != 0) stretches_[i].visible = !visible;
     }
+    join();
   }
 
   [[nodiscard]] glm::vec2 pointAt(const SpineSet::Spine& spine, float arc) const {
@@ -211,12 +211,11 @@ std::vector<VisibleRun> cutAtVisibility(
     const SpineArcs& arcs,
     const PolylineSet& lines,
     const ResolvedLines& resolved,
-    const LineScene& scene,
-    const RunOptions& options) {
+    const LineScene& scene) {
   std::vector<VisibleRun> runs;
   SpineCutter cutter(spines, arcs, lines, resolved, scene);
   for (std::uint32_t i = 0; i < spines.spines.size(); ++i)
-    cutter.cut(i, options.shortestPx, runs);
+    cutter.cut(i, runs);
   return runs;
 }
 

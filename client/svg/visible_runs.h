@@ -21,21 +21,15 @@ struct VisibleRun {
   bool closed = false;
 };
 
-struct RunOptions {
-  /// Shorter changes are specks: dense meshes flip from edge to edge. They take on what is around
-  /// them, the shortest first.
-  float shortestPx = 5.5F;
-};
-
-/// Cuts spines where their visibility changes. Every spine's runs cover it whole and share their
-/// cuts' points; a loop that changes nowhere stays a loop. spines and arcs: of `lines` in `scene`;
-/// resolved: of the same. Cost: O(points).
+/// Cuts spines where their visibility changes; gaps and visible parts too short to be told from
+/// what is right go as in the picture (kShortRun in client/stroke/visibility.h). Every spine's runs
+/// cover it whole and share their cuts' points; a loop that changes nowhere stays a loop. spines
+/// and arcs: of `lines` in `scene`; resolved: of the same. Cost: O(points).
 [[nodiscard]] std::vector<VisibleRun> cutAtVisibility(
     const SpineSet& spines,
     const SpineArcs& arcs,
     const PolylineSet& lines,
     const ResolvedLines& resolved,
-    const LineScene& scene,
-    const RunOptions& options = {});
+    const LineScene& scene);
 
 }  // namespace limn

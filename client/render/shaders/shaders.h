@@ -159,22 +159,86 @@ void main() {
 }
 )";
 
+/// Counts the lines in cells of the picture, a point a spine sample: see LineDensity in
+/// client/stroke/line_density.h. Drawn with additive blending.
+inline constexpr std::string_view kDensityVertex = R"(#version 300 es
+precision highp float;
+precision highp int;
+uniform highp sampler2D samples;
+uniform highp sampler2D visibility;
+uniform vec2 cellsInPicture;  // the picture's size in cells, and the map's
+uniform vec2 cellsInMap;
+uniform int hiddenMode;       // of the strokes
+flat out vec2 count;
+void main() {
+  int width = textureSize(visibility, 0).x;
+  ivec2 at = ivec2(gl_VertexID % width, gl_VertexID / width);
+  vec2 place = texelFetch(samples, ivec2(3 * at.x, at.y), 0).xy;
+  bool isVisible = hiddenMode == 2 || texelFetch(visibility, at, 0).r > 0.5;
+  count = isVisible ? vec2(1.0 / 255.0, 0.0) : vec2(0.0, 1.0 / 255.0);
+  // Rows of the map run down, as the picture's do.
+  bool isInside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(1.0)));
+  vec2 cell = (floor(place * cellsInPicture) + 0.5) / cellsInMap;
+  gl_Position = isInside ? vec4(2.0 * cell - 1.0, 0.0, 1.0) : vec4(2.0, 2.0, 0.0, 1.0);
+  gl_PointSize = 1.0;
+}
+)";
+
+inline constexpr std::string_view kDensityFragment = R"(#version 300 es
+precision highp float;
+flat in vec2 count;
+out vec2 density;
+void main() { density = count; }
+)";
+
+/// Strips on their way to the picture; what crowds is thinner or paler: see line_density.cpp, which
+/// does the same operations.
 inline constexpr std::string_view kStrokeVertex = R"(#version 300 es
+precision highp float;
+precision highp int;
 layout(location = 0) in vec2 position;   // pixels from the top left
 layout(location = 1) in vec2 place;      // across, sample
 layout(location = 2) in vec2 repeats;    // of the visible and the hidden texture
 layout(location = 3) in vec2 fades;      // of the visible and the hidden parts
 layout(location = 4) in float margin;    // half the strip's width, pixels
 uniform vec2 pictureSize;
+uniform highp sampler2D densityMap;
+uniform float cellPx;        // of the density map
+uniform float perCount;      // pixels of line a square pixel for each sample in a cell
+uniform float inkShare;      // of the strip's width
+uniform float inkPx;         // the width of an ordinary stroke
+uniform vec3 crowding;       // kLargestShare, kLeastWidth, kLeastOpacity (line_density.h)
+uniform vec2 paling;         // kPaleFrom, kPalest
 out highp vec2 spine;
 out highp vec2 along;
 out mediump vec2 opacity;
 out highp float halfWidth;
+out highp float widthShare;  // of its own width that the stroke has here
+vec2 densityAt(vec2 pixel) {
+  ivec2 last = textureSize(densityMap, 0) - 1;
+  vec2 at = pixel / cellPx - 0.5;
+  ivec2 low = ivec2(floor(at));
+  vec2 f = at - floor(at);
+  vec2 sum = vec2(0.0);
+  for (int y = -1; y <= 2; ++y) {
+    for (int x = -1; x <= 2; ++x) {
+      vec2 w = max(vec2(0.0), 1.0 - abs(vec2(float(x), float(y)) - f) / 2.0) / 2.0;
+      sum += w.x * w.y * texelFetch(densityMap, clamp(low + ivec2(x, y), ivec2(0), last), 0).rg;
+    }
+  }
+  return sum * 255.0 * perCount;
+}
 void main() {
+  vec2 density = densityAt(position);
+  float others = max(density.r - 0.5 / cellPx, 1e-6);
+  float share = crowding.x / (others * max(2.0 * margin * inkShare, 1e-3));
+  widthShare = clamp(share, crowding.y, 1.0);
+  float few = paling.x / max(density.g * inkPx, 1e-6);
+  float pale = clamp(few * sqrt(few), paling.y, 1.0);
   spine = place;
   along = repeats;
-  opacity = fades;
-  halfWidth = margin;
+  opacity = fades * vec2(clamp(share / crowding.y, crowding.z, 1.0), pale);
+  halfWidth = margin * widthShare;
   vec2 ndc = 2.0 * position / pictureSize - 1.0;
   gl_Position = vec4(ndc.x, -ndc.y, 0.0, 1.0);
 }
@@ -189,6 +253,7 @@ in highp vec2 spine;
 in highp vec2 along;
 in mediump vec2 opacity;
 in highp float halfWidth;
+in highp float widthShare;
 uniform highp sampler2D visibility;
 uniform sampler2D visibleStroke;
 uniform sampler2D hiddenStroke;
@@ -206,38 +271,14 @@ void main() {
   // Distance past the place where the line goes hidden, and a round end for the visible part there.
   float past = (seen - 0.5) * rampPx;
   float radius = min(halfWidth * body, 0.45 * rampPx);
-  float t = min(abs(spine.x) / body, 1.0);
+  float across = spine.x / widthShare;
+  float t = min(abs(across) / body, 1.0);
   float end = radius * (1.0 - sqrt(1.0 - t * t));
   float share = hiddenMode == 2 ? 1.0 : smoothstep(-0.5, 0.5, past - end);
   if (seen >= 0.97) share = 1.0;
-  vec2 v = vec2(0.5 + 0.5 * spine.x);
-  float dark = texture(visibleStroke, vec2(along.x, v.x)).r;
-  float faint = hiddenMode == 0 ? texture(hiddenStroke, vec2(along.y, v.y)).r : 0.0;
+  float dark = abs(across) < 1.0 ? texture(visibleStroke, vec2(along.x, 0.5 + 0.5 * across)).r : 0.0;
+  float faint = hiddenMode == 0 ? texture(hiddenStroke, vec2(along.y, 0.5 + 0.5 * spine.x)).r : 0.0;
   ink = vec2(dark * share * opacity.x, faint * (1.0 - share) * opacity.y);
-}
-)";
-
-/// How densely hidden lines lie: their mean ink in cells of the picture, one fragment a cell.
-inline constexpr std::string_view kDensityFragment = R"(#version 300 es
-precision highp float;
-precision highp int;
-uniform highp sampler2D inkMap;
-uniform int cell;  // fine pixels a side
-out float density;
-void main() {
-  ivec2 size = textureSize(inkMap, 0);
-  ivec2 start = ivec2(gl_FragCoord.xy) * cell;
-  float sum = 0.0;
-  float count = 0.0;
-  for (int y = 0; y < cell; y += 2) {
-    for (int x = 0; x < cell; x += 2) {
-      ivec2 at = start + ivec2(x, y);
-      if (at.x >= size.x || at.y >= size.y) continue;
-      sum += texelFetch(inkMap, at, 0).g;
-      count += 1.0;
-    }
-  }
-  density = sum / max(count, 1.0);
 }
 )";
 
@@ -253,26 +294,7 @@ uniform vec3 hiddenColor;
 uniform vec2 opacities;
 uniform float grain;
 uniform int pictureHeight;
-uniform highp sampler2D densityMap;
-uniform float cell;  // of the density map, pixels a side
 out vec4 color;
-// Mean ink of hidden lines around here, smoothly.
-float hiddenDensity(vec2 pixel) {
-  ivec2 last = textureSize(densityMap, 0) - 1;
-  vec2 place = pixel / cell - 0.5;
-  ivec2 low = ivec2(floor(place));
-  vec2 f = place - floor(place);
-  float sum = 0.0;
-  // A quadratic spline over the nearest cells: tones never jump.
-  for (int y = -1; y <= 2; ++y) {
-    for (int x = -1; x <= 2; ++x) {
-      vec2 away = abs(vec2(float(x), float(y)) - f);
-      vec2 w = max(vec2(0.0), 1.0 - away / 2.0) / 2.0;
-      sum += w.x * w.y * texelFetch(densityMap, clamp(low + ivec2(x, y), ivec2(0), last), 0).r;
-    }
-  }
-  return sum;
-}
 uint scramble(uint h) {
   h ^= h >> 16; h *= 0x7feb352du; h ^= h >> 15; h *= 0x846ca68bu; h ^= h >> 16;
   return h;
@@ -304,13 +326,7 @@ void main() {
     // Ink reaches the hollows of the paper only where it is laid on thickly.
     ink *= mix(vec2(1.0), smoothstep(vec2(-0.35), vec2(0.30), ink - n * 0.9 + 0.25), grain);
   }
-  // Where many hidden lines lie together each is paler, as an illustrator would have it.
-  float crowded = 1.0;
-  if (ink.g > 0.0) {
-    float few = 0.07 / max(hiddenDensity(vec2(pixel) + 0.5), 0.001);
-    crowded = clamp(few * sqrt(few), 0.08, 1.0);
-  }
-  vec3 result = mix(paper, hiddenColor, ink.g * opacities.y * crowded);
+  vec3 result = mix(paper, hiddenColor, ink.g * opacities.y);
   result = mix(result, visibleColor, ink.r * opacities.x);
   color = vec4(result, 1.0);
 }

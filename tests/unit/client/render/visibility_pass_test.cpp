@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/render/mesh_pass.h"
 #include "client/render/stroke_pass.h"
+#include "client/stroke/line_density.h"
 #include "client/stroke/visibility.h"
 #include "tests/unit/client/render/scene_fixture.h"
 
@@ -63,6 +64,48 @@ void expectAgreement(GlBackend backend, SilhouetteKind kind) {
   // The picture has enough of both for the comparison to mean something.
   EXPECT_GT(hidden, expected.size() / 10);
   EXPECT_LT(hidden, expected.size() * 9 / 10);
+}
+
+TEST(VisibilityPass, CountsTheLinesInEachCell) {
+  auto context = createGlContext(GlBackend::kEgl);
+  ASSERT_TRUE(context);
+  const gl::Api& api = (*context)->api();
+  auto strokePass = StrokePass::create(api);
+  ASSERT_TRUE(strokePass);
+  // Nothing is in front: a silhouette's samples are visible, those hidden for sure are not.
+  const auto depth =
+      gl::Target::create(api, "depth", {.size = {64, 64}, .hasColor = false, .hasDepth = true});
+  ASSERT_TRUE(depth);
+  depth->bind();
+  api.clear(GL_DEPTH_BUFFER_BIT);
+  const Viewport viewport{100, 70};
+  LineDensity density(viewport);
+  SpineSamples samples;
+  for (int i = 0; i < 700; ++i) {
+    const bool isVisible = i < 500;
+    const glm::vec2 pixel(0.5F + static_cast<float>(i % 140), isVisible ? 20.5F : 45.5F);
+    SpineSample sample;
+    sample.position = pixel / glm::vec2(viewport.width, viewport.height);
+    sample.depth = 0.5F;
+    sample.bias = isVisible ? 0.01F : -1.0F;
+    sample.first = sample.spanFirst = isVisible ? 0.0F : 500.0F;
+    sample.last = sample.spanLast = isVisible ? 499.0F : 699.0F;
+    samples.samples.push_back(sample);
+    density.add(pixel, isVisible);
+  }
+  ASSERT_TRUE(strokePass->findVisibility(samples, depth->depth()));
+  ASSERT_TRUE(strokePass->findDensity(samples, {.viewport = viewport}));
+  const std::vector<glm::ivec2> counts = strokePass->readDensity();
+  const int columns = densityCells(viewport.width);
+  ASSERT_EQ(counts.size(), static_cast<std::size_t>(columns * densityCells(viewport.height)));
+  for (int y = 0; y < densityCells(viewport.height); ++y) {
+    for (int x = 0; x < columns; ++x) {
+      const glm::ivec2 count = counts[static_cast<std::size_t>(y * columns + x)];
+      const glm::vec2 expected = density.countAt({x, y});
+      EXPECT_EQ(count.x, static_cast<int>(expected.x)) << x << ", " << y;
+      EXPECT_EQ(count.y, static_cast<int>(expected.y)) << x << ", " << y;
+    }
+  }
 }
 
 TEST(VisibilityPass, AgreesWithTheCpuOnEgl) {

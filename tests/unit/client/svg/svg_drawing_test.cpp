@@ -102,8 +102,7 @@ TEST(VisibleRuns, CoverEverySpineAndShareTheirCuts) {
   const Drawn drawn;
   const SpineSet spines = projectLines(drawn.lines, drawn.scene());
   const SpineArcs arcs = measureSpines(spines);
-  const auto runs =
-      cutAtVisibility(spines, arcs, drawn.lines, drawn.resolved, drawn.scene(), {5.5F});
+  const auto runs = cutAtVisibility(spines, arcs, drawn.lines, drawn.resolved, drawn.scene());
   std::vector<float> covered(spines.spines.size(), 0.0F);
   bool someVisible = false;
   bool someHidden = false;
@@ -112,7 +111,7 @@ TEST(VisibleRuns, CoverEverySpineAndShareTheirCuts) {
     for (std::size_t i = 1; i < run.points.size(); ++i)
       length += glm::distance(run.points[i - 1], run.points[i]);
     if (run.closed) length += glm::distance(run.points.back(), run.points.front());
-    EXPECT_GE(length, std::min(5.4F, arcs.length[run.spine] - 0.1F));
+    EXPECT_GE(length, std::min(2.4F, arcs.length[run.spine] - 0.1F));
     covered[run.spine] += length;
     someVisible = someVisible || run.visible;
     someHidden = someHidden || !run.visible;
