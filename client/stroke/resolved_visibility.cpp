@@ -133,6 +133,7 @@ class ViewResolver {
     }
     cuts_.clear();
     crossings_.cross(clip(a), clip(b), cuts_);
+    if (line.kind != LineKind::kIntersection) cutWherePierced(a, b);
     double from = 0.0;
     for (std::size_t cut = 0; cut <= cuts_.size(); ++cut) {
       const double to = cut < cuts_.size() ? cuts_[cut].inSpace : 1.0;
@@ -150,6 +151,27 @@ class ViewResolver {
       }
       from = to;
     }
+  }
+
+  // Where parts pass through one another a line comes out of a face, or goes in behind it.
+  void cutWherePierced(const glm::dvec3& a, const glm::dvec3& b) {
+    Ray way;
+    way.origin = a;
+    way.direction = b - a;
+    const double length = glm::length(way.direction);
+    if (!(length > 2.0 * kSkipOnSurface)) return;
+    way.begin = kSkipOnSurface / length;
+    way.end = 1.0 - way.begin;
+    if (!bvh_.isBlocked(way, own_)) return;
+    for (const RayHit& hit : bvh_.allHits(way)) {
+      if (std::find(own_.begin(), own_.end(), hit.face) != own_.end()) continue;
+      LineCrossings::Crossing cut;
+      cut.inSpace = hit.t;
+      cuts_.push_back(cut);
+    }
+    std::sort(cuts_.begin(), cuts_.end(), [](const auto& x, const auto& y) {
+      return x.inSpace < y.inSpace;
+    });
   }
 
   [[nodiscard]] bool isBlocked(const glm::dvec3& p, double skip, ResolvedLines& out) {

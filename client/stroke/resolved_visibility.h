@@ -34,9 +34,9 @@ struct ResolvedLines {
 };
 
 /// Resolves the visibility of lines on one mesh from any view, without a GPU: segments are cut
-/// where they pass behind a contour or border edge in the picture (nowhere else can a segment's
-/// visibility change: its ends, the vertices, are cuts already), and for each piece one ray
-/// decides, from its middle to the eye.
+/// where they pass behind a contour or border edge in the picture and where they pierce a face
+/// (nowhere else can a segment's visibility change: its ends, the vertices, are cuts already), and
+/// for each piece one ray decides, from its middle to the eye.
 ///
 /// Polygonal lines are exact: rays pass the edge's own two faces, and a concave silhouette edge is
 /// hidden by them. A smooth silhouette lies a little beside the mesh's own outline, so its rays

@@ -176,6 +176,37 @@ TEST(ResolvedVisibility, EqualsRaysThroughEveryFaceOnAnOpenSurface) {
   expectExact("grid", primitives::openGrid(24, 24));
 }
 
+/// Parts of a machine as they are modelled: each closed, one stuck through the other.
+TEST(ResolvedVisibility, EqualsRaysThroughEveryFaceOnPartsThatPassThroughOneAnother) {
+  TriangleMesh parts = primitives::icosphere(1);
+  const TriangleMesh cube = primitives::cube();
+  glm::ivec3 low = parts.positions[0];
+  glm::ivec3 high = low;
+  for (const glm::ivec3& p : parts.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  glm::ivec3 cubeLow = cube.positions[0];
+  glm::ivec3 cubeHigh = cubeLow;
+  for (const glm::ivec3& p : cube.positions) {
+    cubeLow = glm::min(cubeLow, p);
+    cubeHigh = glm::max(cubeHigh, p);
+  }
+  const auto first = static_cast<std::uint32_t>(parts.positions.size());
+  const glm::dvec3 size(high - low);
+  for (const glm::ivec3& p : cube.positions) {
+    const glm::dvec3 share = glm::dvec3(p - cubeLow) / glm::dvec3(cubeHigh - cubeLow);
+    // A beam, a little askew.
+    const glm::dvec3 q = glm::dvec3(low) + size * (glm::dvec3(-0.2, 0.31, 0.37) +
+                                                   share * glm::dvec3(1.43, 0.29, 0.23) +
+                                                   glm::dvec3(0.0, 0.11, 0.07) * share.x);
+    parts.positions.emplace_back(glm::round(q));
+  }
+  for (const glm::uvec3& t : cube.triangles)
+    parts.triangles.push_back(t + first);
+  expectExact("parts", std::move(parts));
+}
+
 TEST(ResolvedVisibility, SeesFromWithinTheMesh) {
   const Model model(primitives::torusKnot(2, 3, 80, 12));
   const BoundingSphere sphere = boundingSphere(model.shape.grid, model.shape.positions);
