@@ -70,6 +70,20 @@ void LineCrossings::forCells(const glm::dvec2& a, const glm::dvec2& b, Visit vis
   }
 }
 
+LineCrossings::Entry
+LineCrossings::entryOf(const glm::dvec3& a, const glm::dvec3& b, std::uint32_t edge) {
+  // A little larger makes up for rounding to floats.
+  const double pad =
+      1e-6 * (1.0 + std::max({std::abs(a.x), std::abs(b.x), std::abs(a.y), std::abs(b.y)}));
+  return {
+      static_cast<float>(std::min(a.x, b.x) - pad),
+      static_cast<float>(std::max(a.x, b.x) + pad),
+      static_cast<float>(std::min(a.y, b.y) - pad),
+      static_cast<float>(std::max(a.y, b.y) + pad),
+      static_cast<float>(std::min(a.z, b.z) - 1e-6),
+      edge};
+}
+
 void LineCrossings::build() {
   // Some cells an edge, whatever the picture's size.
   const glm::dvec2 extent =
@@ -86,8 +100,9 @@ void LineCrossings::build() {
   cellEdges_.resize(cellBegin_.back());
   place_.assign(cellBegin_.begin(), cellBegin_.end() - 1);
   for (std::uint32_t i = 0; i < edges_.size(); ++i) {
+    const Entry entry = entryOf(edges_[i].a, edges_[i].b, i);
     forCells(glm::dvec2(edges_[i].a), glm::dvec2(edges_[i].b), [&](std::uint32_t c) {
-      cellEdges_[place_[c]++] = i;
+      cellEdges_[place_[c]++] = entry;
     });
   }
 }
@@ -115,10 +130,16 @@ void LineCrossings::crossInPicture(
     std::vector<Crossing>& out) const {
   if (cellBegin_.empty()) return;
   const glm::dvec2 along(q - p);
+  const Entry own = entryOf(p, q, 0);
+  const auto farthest = static_cast<float>(std::max(p.z, q.z) + 1e-6);
   const std::size_t before = out.size();
   forCells(glm::dvec2(p), glm::dvec2(q), [&](std::uint32_t cell) {
     for (std::uint32_t k = cellBegin_[cell]; k < cellBegin_[cell + 1]; ++k) {
-      const Edge& edge = edges_[cellEdges_[k]];
+      const Entry& entry = cellEdges_[k];
+      if (entry.nearest > farthest || entry.lowX > own.highX || entry.highX < own.lowX ||
+          entry.lowY > own.highY || entry.highY < own.lowY)
+        continue;
+      const Edge& edge = edges_[entry.edge];
       const glm::dvec2 across(edge.b - edge.a);
       const glm::dvec2 gap(edge.a - p);
       const double det = cross2(along, across);

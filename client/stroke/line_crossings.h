@@ -60,6 +60,18 @@ class LineCrossings {
     FaceId face;
   };
 
+  /// An edge as a cell has it: a box around it, so that most are passed over unseen.
+  struct Entry {
+    float lowX;
+    float highX;
+    float lowY;
+    float highY;
+    float nearest;  // least window depth
+    std::uint32_t edge;
+  };
+
+  [[nodiscard]] static Entry entryOf(const glm::dvec3& a, const glm::dvec3& b, std::uint32_t edge);
+
   /// visit(cell) for every cell that the segment passes through; some may come twice.
   template <class Visit>
   void forCells(const glm::dvec2& a, const glm::dvec2& b, Visit visit) const;
@@ -71,7 +83,7 @@ class LineCrossings {
   int rows_ = 1;
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> cellBegin_;  // by cell, and one past the last: into cellEdges_
-  std::vector<std::uint32_t> cellEdges_;
+  std::vector<Entry> cellEdges_;
   std::vector<std::uint32_t> place_;
 };
 
