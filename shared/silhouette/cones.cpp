@@ -11,7 +11,9 @@
 #include "shared/view/anchored_pyramid.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace limn {
@@ -63,34 +65,67 @@ OpenLeaf openLeaf(const Query& query, const Node& node, std::uint32_t n, std::ui
   return open;
 }
 
+// Eight bytes of 0 or 1 as bits.
+std::uint32_t bitsOf(std::uint64_t bytes) {
+  return static_cast<std::uint32_t>(bytes * 0x0102040810204080ULL >> 56);
+}
+
+// Loops that compilers vectorise with whatever the machine has.
 template <class Leaf>
 LeafHits testLeaf(const Query& query, const OpenLeaf& open, const Leaf& leaf) {
   const std::int32_t ex = static_cast<std::int16_t>(open.eyeXy & 0xFFFF);
   const std::int32_t ey = open.eyeXy >> 16;
   const std::int32_t ez = static_cast<std::int16_t>(open.eyeZw & 0xFFFF);
   const std::int32_t ew = open.eyeZw >> 16;
+  std::array<std::int32_t, kLeafSites> values;
+  for (std::size_t s = 0; s < kLeafSites; ++s) {
+    values[s] = (leaf.xy[2 * s] * ex + leaf.xy[2 * s + 1] * ey) +
+                (leaf.zd[2 * s] * ez + leaf.zd[2 * s + 1] * ew);
+  }
+  std::array<std::uint8_t, kLeafSites> isFront;
+  std::array<std::uint8_t, kLeafSites> isDoubtful;
+  for (std::size_t s = 0; s < kLeafSites; ++s) {
+    isFront[s] = values[s] > open.doubt ? 1 : 0;
+    isDoubtful[s] = values[s] <= open.doubt && values[s] >= -open.doubt ? 1 : 0;
+  }
+  // By site instead of by slot: in fours.
+  std::array<std::uint8_t, kLeafSites> sides;
   std::uint32_t front = 0;
   std::uint32_t doubtful = 0;
-  for (std::size_t i = 0; i < kLeafSites; ++i) {
-    const std::size_t s = 2 * Leaf::slotOf(i);
-    const std::int32_t value =
-        (leaf.xy[s] * ex + leaf.xy[s + 1] * ey) + (leaf.zd[s] * ez + leaf.zd[s + 1] * ew);
-    front |= static_cast<std::uint32_t>(value > open.doubt) << i;
-    doubtful |= static_cast<std::uint32_t>(value <= open.doubt && value >= -open.doubt) << i;
+  for (std::size_t i = 0; i < kLeafSites; i += 8) {
+    std::array<std::uint8_t, 8> frontBytes;
+    std::array<std::uint8_t, 8> doubtfulBytes;
+    for (std::size_t k = 0; k < 8; k += 4) {
+      std::memcpy(&frontBytes[k], &isFront[Leaf::slotOf(i + k)], 4);
+      std::memcpy(&doubtfulBytes[k], &isDoubtful[Leaf::slotOf(i + k)], 4);
+    }
+    std::memcpy(&sides[i], frontBytes.data(), 8);
+    front |= bitsOf(std::bit_cast<std::uint64_t>(frontBytes)) << i;
+    doubtful |= bitsOf(std::bit_cast<std::uint64_t>(doubtfulBytes)) << i;
   }
-  if (doubtful != 0) front = settleDoubts(query, open, leaf, front, doubtful);
+  if (doubtful != 0) [[unlikely]] {
+    front = settleDoubts(query, open, leaf, front, doubtful);
+    for (std::size_t i = 0; i < kLeafSites; ++i)
+      sides[i] = static_cast<std::uint8_t>(front >> i & 1U);
+  }
   LeafHits found{};
   if (front == 0 || front == 0xFFFFFFFFU) return found;
-  const auto sideOf = [&](std::size_t k, std::size_t i) {
-    return std::uint64_t{front >> (leaf.sites[k][i] & 31U) & 1U};
-  };
-  for (std::size_t i = 0; i < leaf.itemCount; ++i) {
-    const std::uint64_t a = sideOf(0, i);
-    std::uint64_t differs = a ^ sideOf(1, i);
-    if constexpr (Leaf::kSitesPerItem == 3) differs |= a ^ sideOf(2, i);
-    found.differing |= differs << i;
-    found.firstIsFront |= a << i;
+  for (std::size_t i = 0; i < leaf.itemCount; i += 8) {
+    // The last eight may be past the items, never past the row.
+    std::array<std::uint8_t, 8> first{};
+    std::array<std::uint8_t, 8> differs{};
+    const std::size_t count = std::min<std::size_t>(8, Leaf::kMaxItems - i);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint8_t a = sides[leaf.sites[0][i + k] & 31U];
+      std::uint8_t other = a ^ sides[leaf.sites[1][i + k] & 31U];
+      if constexpr (Leaf::kSitesPerItem == 3) other |= a ^ sides[leaf.sites[2][i + k] & 31U];
+      first[k] = a;
+      differs[k] = other;
+    }
+    found.differing |= std::uint64_t{bitsOf(std::bit_cast<std::uint64_t>(differs))} << i;
+    found.firstIsFront |= std::uint64_t{bitsOf(std::bit_cast<std::uint64_t>(first))} << i;
   }
+  found.differing &= (std::uint64_t{1} << leaf.itemCount) - 1;
   return found;
 }
 
