@@ -57,10 +57,11 @@ function(limn_test name)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS ${ARG_LABEL})
 endfunction()
 
-# limn_fuzzer(NAME SOURCES cpp... LINK lib...): a libFuzzer target, fuzz_NAME, and a test that runs it for
-# LIMN_FUZZ_SECONDS from the corpus kept in tests/fuzz/corpus/NAME. The libraries that it links tell it what they ran.
+# limn_fuzzer(NAME [CORPUS folder] SOURCES cpp... LINK lib...): a libFuzzer target, fuzz_NAME, and a test that runs it for
+# LIMN_FUZZ_SECONDS from the corpus (tests/fuzz/corpus/NAME where none is named). The libraries that it links tell it
+# what they ran.
 function(limn_fuzzer name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "CORPUS" "SOURCES;LINK" ${ARGN})
   set(target fuzz_${name})
   add_executable(${target} ${ARG_SOURCES})
   limn_warnings(${target})
@@ -75,9 +76,9 @@ function(limn_fuzzer name)
   # What it finds on the way goes into the first folder, and stays there for the next run.
   set(found "${CMAKE_CURRENT_BINARY_DIR}/${name}")
   file(MAKE_DIRECTORY "${found}/corpus")
-  set(kept "${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name}")
-  if(NOT IS_DIRECTORY "${kept}")
-    set(kept)
+  set(kept ${ARG_CORPUS})
+  if(NOT kept AND IS_DIRECTORY "${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name}")
+    set(kept "${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name}")
   endif()
   add_test(NAME fuzz.${name}
     COMMAND ${target} -max_total_time=${LIMN_FUZZ_SECONDS} -timeout=20 -rss_limit_mb=2048 -print_final_stats=1
