@@ -98,14 +98,15 @@ class Runner : public LoadConnections::Listener {
     for (const Phase& phase : script_.phases) {
       if (!phase.withPrevious) groupStartMs = endMs_;
       const double rampMs = phase.rampSeconds * 1000.0;
-      const double phaseEndMs = groupStartMs + rampMs + phase.holdSeconds * 1000.0;
+      const double startMs = groupStartMs + phase.delaySeconds * 1000.0;
+      const double phaseEndMs = startMs + rampMs + phase.holdSeconds * 1000.0;
       // The first of every 1 / decode clients decodes; at least one does unless decode is 0.
       const double share = script_.decode;
       for (std::uint32_t i = 0; i < phase.clients; ++i) {
         LightClient::Plan plan;
         plan.phase = &phase;
         plan.index = i;
-        plan.startMs = groupStartMs + rampMs * i / phase.clients;
+        plan.startMs = startMs + rampMs * i / phase.clients;
         plan.endMs = phaseEndMs;
         if (std::ceil(share * i) < std::ceil(share * (i + 1)) || (i == 0 && share > 0.0)) {
           plan.makeDecoder = options_.makeDecoder;

@@ -126,7 +126,12 @@ void LightClient::opened(double nowMs) {
 }
 
 void LightClient::openChannels() {
-  channels_.clear();
+  for (Channel& channel : channels_) {
+    channel.resuming = channel.asset && channel.decoder;
+    channel.asset.reset();
+    if (!channel.resuming) channel.baseHere = false;
+  }
+  if (!channels_.empty()) return;
   channels_.emplace_back().model = plan_.phase->model;
   for (const std::string& model : plan_.phase->also)
     channels_.emplace_back().model = model;
@@ -158,6 +163,7 @@ void LightClient::received(std::span<const std::uint8_t> bytes, double nowMs) {
       return;
     }
     counters_.splitsDecoded += *splits;
+    if (message->as<protocol::ModelInfo>() != nullptr) resume(channels_[*channel], *channel);
   }
   if (protocol::isPayload(message->body)) {
     acknowledged_ += bytes.size();
@@ -177,7 +183,10 @@ void LightClient::handle(const protocol::Message& message, double nowMs) {
           counters_.connect.add(nowMs - plannedMs_);
           state_ = State::kOpening;
           for (std::size_t c = 0; c < channels_.size(); ++c)
-            send(protocol::Open{static_cast<std::uint8_t>(c), channels_[c].model, false});
+            send(protocol::Open{
+                static_cast<std::uint8_t>(c),
+                channels_[c].model,
+                channels_[c].resuming});
         } else if constexpr (std::is_same_v<T, protocol::ModelInfo>) {
           handleInfo(body, nowMs);
         } else if constexpr (std::is_same_v<T, protocol::Base>) {
@@ -203,7 +212,9 @@ void LightClient::handle(const protocol::Message& message, double nowMs) {
           if (mayBeThrownOut()) return;
           // A server that has just started still opens its models. The latencies keep counting from
           // the planned start.
-          if (body.code == protocol::WireError::kNotReady && body.retryAfterMs > 0) {
+          const bool goesOn = body.code == protocol::WireError::kNotReady ||
+                              (body.code == protocol::WireError::kDraining && mayReturn());
+          if (goesOn && body.retryAfterMs > 0) {
             ++counters_.reconnects;
             const double plannedMs = plannedMs_;
             restartAfter(nowMs, body.retryAfterMs);
@@ -237,6 +248,13 @@ void LightClient::handleInfo(const protocol::ModelInfo& info, double nowMs) {
                                                          : kNever;
 }
 
+void LightClient::resume(const Channel& channel, std::uint8_t id) {
+  if (!channel.resuming) return;
+  ++counters_.resumed;
+  for (auto& piece : channel.decoder->haveSet(id))
+    outgoing_.push_back(std::move(piece));
+}
+
 void LightClient::checkShared(const Channel& channel, int section, protocol::Bytes bytes) {
   if (!channel.asset) return decodeError("a section before its ModelInfo");
   if (!digests_.matches(*channel.asset, section, bytes)) {
@@ -252,19 +270,21 @@ void LightClient::answer(std::uint32_t pose, double nowMs, std::optional<protoco
   if (found == poses_.end()) return;
   if (!found->answered) {
     found->answered = true;
-    counters_.poseToPacket.add(nowMs - found->plannedMs);
-    counters_.poseToPacketBytes.add(static_cast<double>(acknowledged_ - found->payloadBefore));
+    if (plan_.phase->measured) {
+      counters_.poseToPacket.add(nowMs - found->plannedMs);
+      counters_.poseToPacketBytes.add(static_cast<double>(acknowledged_ - found->payloadBefore));
+    }
   }
   if (settled && found->settled < channels_.size() && ++found->settled == channels_.size()) {
-    counters_.settled.add(nowMs - found->plannedMs);
+    if (plan_.phase->measured) counters_.settled.add(nowMs - found->plannedMs);
   }
 }
 
 void LightClient::closed(const std::string& reason, double nowMs) {
   if (state_ == State::kFinished || state_ == State::kWaiting) return;
-  if (mayBeThrownOut()) {
+  if (mayBeThrownOut() || mayReturn()) {
     ++counters_.reconnects;
-    restartAfter(nowMs, kReturnAfterMs);
+    restartAfter(nowMs, kReturnAfterMs * (1.0 + rng_.uniform()));
     return;
   }
   if (reachedBase_) {
@@ -281,7 +301,7 @@ void LightClient::restartAfter(double nowMs, double pauseMs) {
   attemptMs_ = nowMs + pauseMs;
   plannedMs_ = attemptMs_;
   readableAtMs_ = 0.0;
-  channels_.clear();
+  if (!plan_.phase->returns) channels_.clear();
   nextPoseId_ = 1;
   acknowledged_ = 0;
   poses_.clear();

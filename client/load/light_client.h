@@ -30,6 +30,9 @@ class PayloadDecoder {
   virtual ~PayloadDecoder() = default;
   /// Returns the splits that the message applied. Errors: whatever is wrong with the bytes.
   [[nodiscard]] virtual Result<std::uint64_t> decode(const protocol::Message& message) = 0;
+  /// The messages that tell a server what is held, encoded; the model must have begun.
+  [[nodiscard]] virtual std::vector<std::vector<std::uint8_t>> haveSet(
+      std::uint8_t channel) const = 0;
 };
 
 /// Digests of the messages that a server sends to everyone alike (Base, level blocks, seeds, and
@@ -114,6 +117,7 @@ class LightClient {
     std::optional<Sha256Digest> asset;
     BoundingSphere sphere;
     bool baseHere = false;
+    bool resuming = false;
     std::unique_ptr<PayloadDecoder> decoder;
   };
 
@@ -125,6 +129,7 @@ class LightClient {
   void handleInfo(const protocol::ModelInfo& info, double nowMs);
   void checkShared(const Channel& channel, int section, protocol::Bytes bytes);
   void openChannels();
+  void resume(const Channel& channel, std::uint8_t id);
   void answer(std::uint32_t pose, double nowMs, std::optional<protocol::Goal> settled);
   void decodeError(const std::string& what);
   /// Ends the client for good. `failure` is empty when all went well.
@@ -132,6 +137,8 @@ class LightClient {
   void restartAfter(double nowMs, double pauseMs);
   [[nodiscard]] Camera cameraAt(const Channel& channel, double nowMs) const;
   [[nodiscard]] bool mayBeThrownOut() const;
+
+  [[nodiscard]] bool mayReturn() const { return plan_.phase->returns && reachedBase_; }
 
   Plan plan_;
   SharedDigests& digests_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/load/mesh_decoder.h"
 
+#include "client/core/have_set.h"
 #include "client/core/stream_decoder.h"
 
 namespace limn::load {
@@ -24,6 +25,10 @@ class MeshDecoder : public PayloadDecoder {
     }
     if (!taken) return tl::unexpected(taken.error());
     return splitsHeld() - before;
+  }
+
+  std::vector<std::vector<std::uint8_t>> haveSet(std::uint8_t channel) const override {
+    return encodeHaveSet(decoder_, channel);
   }
 
  private:

@@ -102,7 +102,8 @@ std::string reportJson(const Run& run, const std::vector<std::string>& missed) {
       {"connected", counters.connected},
       {"failed", counters.failed},
       {"dropped", counters.dropped},
-      {"reconnects", counters.reconnects}};
+      {"reconnects", counters.reconnects},
+      {"resumed", counters.resumed}};
   report["seconds"] = rounded(run.seconds);
   report["own_cpu_seconds"] = rounded(run.ownCpuSeconds);
   report["bytes_received"] = counters.bytesReceived;

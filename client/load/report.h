@@ -31,7 +31,8 @@ struct Counters {
   std::uint64_t connected = 0;   // of those, reached the base mesh
   std::uint64_t failed = 0;      // never did, for whatever reason
   std::uint64_t dropped = 0;     // were thrown out or lost afterwards
-  std::uint64_t reconnects = 0;  // churn and malformed clients coming back
+  std::uint64_t reconnects = 0;  // clients coming back
+  std::uint64_t resumed = 0;     // of those, went on from what they held
   std::uint64_t bytesReceived = 0;
   std::uint64_t messages = 0;
   std::uint64_t posesSent = 0;

@@ -148,6 +148,7 @@ Result<Phase> parsePhase(const toml::table& table, const std::filesystem::path& 
   reader.integer<std::uint32_t>("clients", 1, 100'000, phase.clients);
   reader.number("ramp_s", 0.0, 86'400.0, phase.rampSeconds);
   reader.number("hold_s", 0.0, 86'400.0, phase.holdSeconds);
+  reader.number("delay_s", 0.0, 86'400.0, phase.delaySeconds);
   reader.text("model", phase.model);
   reader.texts("also", phase.also);
   reader.text("path", phase.path);
@@ -162,6 +163,8 @@ Result<Phase> parsePhase(const toml::table& table, const std::filesystem::path& 
   reader.integer<std::uint16_t>("height", 1, 16'384, phase.height);
   reader.text("behaviour", behaviour);
   reader.flag("with_previous", phase.withPrevious);
+  reader.flag("measured", phase.measured);
+  reader.flag("returns", phase.returns);
   const auto* found = std::find_if(kBehaviours.begin(), kBehaviours.end(), [&](const auto& entry) {
     return entry.name == behaviour;
   });

@@ -30,6 +30,7 @@ struct Phase {
   std::uint32_t clients = 1;
   double rampSeconds = 0.0;   // the clients start evenly spread over it
   double holdSeconds = 10.0;  // from the end of the ramp
+  double delaySeconds = 0.0;  // before the ramp
   std::string model;
   std::vector<std::string> also;  // more models, opened beside it on the same connection
   std::string path = "orbit";     // "orbit", or the file that `recorded` came from
@@ -46,6 +47,10 @@ struct Phase {
   Behaviour behaviour = Behaviour::kNormal;
   /// Starts together with the phase before instead of after it: mixes behaviours.
   bool withPrevious = false;
+  /// Its poses' latencies count. Not so of clients that are slow or hostile, or only a crowd.
+  bool measured = true;
+  /// Whoever loses the line comes back; those who decode go on from what they hold.
+  bool returns = false;
 };
 
 /// What a run does (commands.md, limn-load) and what it must reach.

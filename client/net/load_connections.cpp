@@ -3,6 +3,7 @@
 
 #include "client/net/lws_client.h"
 
+#include <ev.h>
 #include <libwebsockets.h>
 #include <sys/resource.h>
 
@@ -17,6 +18,10 @@
 
 namespace limn {
 namespace {
+
+constexpr std::size_t kMostFiles = std::size_t{1} << 20;
+// No timers a connection: the library sorts them into a list from its front.
+const lws_retry_bo_t kNoPings = {nullptr, 0, 0, 0, 0, 0};
 
 struct Address {
   std::string host;
@@ -63,13 +68,14 @@ Result<Address> parseUrl(std::string_view url) {
   return address;
 }
 
-/// Raises the soft limit of open files to what the connections need, as far as the hard one allows.
-bool allowOpenFiles(std::size_t count) {
+/// Raises the limit of open files as far as it goes; what it is then. The library's table of
+/// sockets must be of that very size: it would search a smaller one from end to end for every
+/// event.
+std::size_t mostOpenFiles() {
   rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return false;
-  if (limit.rlim_cur >= count) return true;
-  limit.rlim_cur = std::min<rlim_t>(count, limit.rlim_max);
-  return setrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur >= count;
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, kMostFiles);
+  return setrlimit(RLIMIT_NOFILE, &limit) == 0 ? static_cast<std::size_t>(limit.rlim_cur) : 0;
 }
 
 }  // namespace
@@ -92,10 +98,8 @@ struct LoadConnections::Impl {
   Listener* listener = nullptr;
   lws_context* context = nullptr;
 
-  struct Timer {
-    lws_sorted_usec_list_t list{};  // first: libwebsockets hands back its address
-    lws_context* context = nullptr;
-  } timer;
+  struct ev_loop* loop = ev_loop_new(EVFLAG_AUTO);
+  ev_timer timer{};
 
   Id nextId = 0;
   std::unordered_map<Id, std::unique_ptr<Connection>> connections;
@@ -106,6 +110,9 @@ struct LoadConnections::Impl {
     // Destroying the context closes what is open; nobody is to hear of it any more.
     listener = nullptr;
     if (context != nullptr) lws_context_destroy(context);
+    // The library closes what it had on a loop of ours only while that loop runs.
+    ev_run(loop, EVRUN_NOWAIT);
+    ev_loop_destroy(loop);
   }
 
   Connection* find(Id id) {
@@ -193,18 +200,12 @@ struct LoadConnections::Impl {
         }
         return 0;
       case LWS_CALLBACK_CLIENT_CLOSED:
+      case LWS_CALLBACK_WSI_DESTROY:  // all there is when a handshake takes too long
         gone(*connection, wsi);
         return 0;
       default:
         return 0;
     }
-  }
-
-  /// A timer that falls due between scheduling and poll() is run before poll() goes to sleep, for
-  /// up to half a minute. So it is always armed again.
-  static void wake(lws_sorted_usec_list_t* list) {
-    auto* due = reinterpret_cast<Timer*>(list);
-    lws_sul_schedule(due->context, 0, list, &Impl::wake, LWS_US_PER_MS);
   }
 
   static int
@@ -224,11 +225,12 @@ Result<std::unique_ptr<LoadConnections>> LoadConnections::create(
     Listener& listener) {
   auto address = parseUrl(options.url);
   if (!address) return tl::unexpected(address.error());
-  const std::size_t files = options.maxConnections + 64;
-  if (!allowOpenFiles(files)) {
+  const std::size_t needed = options.maxConnections + 64;
+  const std::size_t files = mostOpenFiles();
+  if (files < needed) {
     return fail(
         ErrorCode::kUnavailable,
-        "this process may not open " + std::to_string(files) +
+        "this process may not open " + std::to_string(needed) +
             " files; raise the limit (ulimit -n) or ask for fewer clients");
   }
   auto impl = std::make_unique<Impl>();
@@ -248,15 +250,25 @@ Result<std::unique_ptr<LoadConnections>> LoadConnections::create(
   info.protocols = protocols.data();
   info.user = impl.get();
   info.fd_limit_per_thread = static_cast<unsigned int>(files);
+  info.retry_and_idle_policy = &kNoPings;
+  void* loops[] = {impl->loop};
+  info.foreign_loops = loops;
+  info.options = LWS_SERVER_OPTION_LIBEV;
   if (impl->address.tls) {
     info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
     if (!impl->options.caFile.empty()) info.client_ssl_ca_filepath = impl->options.caFile.c_str();
   }
   impl->context = lws_create_context(&info);
   if (impl->context == nullptr) {
-    return fail(ErrorCode::kNetwork, "libwebsockets could not start");
+    return fail(
+        ErrorCode::kNetwork,
+        "libwebsockets could not start with libev; is libwebsockets-evlib-ev installed?");
   }
-  impl->timer.context = impl->context;
+  ev_timer_init(
+      &impl->timer,
+      [](struct ev_loop*, ev_timer*, int) {},
+      0.0,
+      0.0);
   return std::unique_ptr<LoadConnections>(new LoadConnections(std::move(impl)));
 }
 
@@ -278,6 +290,7 @@ LoadConnections::Id LoadConnections::connect() {
   info.protocol = impl.options.subprotocol.c_str();
   info.local_protocol_name = "limn-load";
   info.opaque_user_data = &connection;
+  info.retry_and_idle_policy = &kNoPings;
   info.pwsi = &connection.wsi;
   if (impl.address.tls) info.ssl_connection = LCCSCF_USE_SSL;
   impl.connecting = true;
@@ -316,6 +329,8 @@ void LoadConnections::abort(Id id) {
   connection->reason = "cut";
   // Asynchronous: this may be a callback of the very connection.
   lws_set_timeout(connection->wsi, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_ASYNC);
+  // The library looks at its timers only after events of its own.
+  lws_cancel_service(impl_->context);
 }
 
 void LoadConnections::pauseReading(Id id) {
@@ -332,19 +347,15 @@ void LoadConnections::service(double timeoutMs) {
   for (const auto& [id, reason] : std::exchange(impl_->stillborn, {})) {
     impl_->listener->closed(id, reason);
   }
-  // libwebsockets 4.1 ignores a positive timeout of lws_service(): it sleeps until its next timer.
-  // A negative one means not to sleep.
   if (timeoutMs <= 0.0) {
-    lws_service(impl_->context, -1);
+    ev_run(impl_->loop, EVRUN_NOWAIT);
     return;
   }
-  lws_sul_schedule(
-      impl_->context,
-      0,
-      &impl_->timer.list,
-      &Impl::wake,
-      static_cast<lws_usec_t>(std::min(timeoutMs, 1000.0) * 1000.0) + 1);
-  lws_service(impl_->context, 0);
+  ev_now_update(impl_->loop);
+  ev_timer_set(&impl_->timer, timeoutMs / 1000.0, 0.0);
+  ev_timer_start(impl_->loop, &impl_->timer);
+  ev_run(impl_->loop, EVRUN_ONCE);
+  ev_timer_stop(impl_->loop, &impl_->timer);
 }
 
 }  // namespace limn

@@ -12,8 +12,8 @@
 
 namespace limn {
 
-/// Many WebSocket connections to one server in one thread, for load tests. libwebsockets with its
-/// poll loop; no reconnecting, no queues but what send() was given. All methods and callbacks
+/// Many WebSocket connections to one server in one thread, for load tests. libwebsockets on a
+/// loop of libev's; no reconnecting, no queues but what send() was given. All methods and callbacks
 /// belong to the thread that calls service().
 class LoadConnections {
  public:

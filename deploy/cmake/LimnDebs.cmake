@@ -36,7 +36,7 @@ set(CPACK_DEBIAN_SERVER_PACKAGE_NAME limn-server)
 set(CPACK_DEBIAN_CLIENT_PACKAGE_NAME limn-client)
 # Opened at run time, so that no linker names them.
 set(CPACK_DEBIAN_SERVER_PACKAGE_DEPENDS "libosmesa6, libwebsockets-evlib-ev")
-set(CPACK_DEBIAN_CLIENT_PACKAGE_DEPENDS "libegl1, libegl-mesa0")
+set(CPACK_DEBIAN_CLIENT_PACKAGE_DEPENDS "libegl1, libegl-mesa0, libwebsockets-evlib-ev")
 set(CPACK_DEBIAN_CLIENT_PACKAGE_SUGGESTS "libosmesa6, limn-server")
 set(CPACK_COMPONENT_SERVER_DESCRIPTION
 "mesh server that streams silhouettes first

@@ -18,14 +18,14 @@ if(LIMN_WITH_WINDOW)
   pkg_check_modules(glfw REQUIRED IMPORTED_TARGET glfw3)
   pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
 endif()
+# Debian's libev has neither a CMake package nor a pkg-config file.
+find_path(LIMN_EV_INCLUDE ev.h REQUIRED)
+find_library(LIMN_EV ev REQUIRED)
+add_library(limn_ev UNKNOWN IMPORTED)
+set_target_properties(limn_ev PROPERTIES
+  IMPORTED_LOCATION "${LIMN_EV}" INTERFACE_INCLUDE_DIRECTORIES "${LIMN_EV_INCLUDE}")
+add_library(limn::ev ALIAS limn_ev)
 if(LIMN_BUILD_SERVER)
-  # Debian's libev has neither a CMake package nor a pkg-config file.
-  find_path(LIMN_EV_INCLUDE ev.h REQUIRED)
-  find_library(LIMN_EV ev REQUIRED)
-  add_library(limn_ev UNKNOWN IMPORTED)
-  set_target_properties(limn_ev PROPERTIES
-    IMPORTED_LOCATION "${LIMN_EV}" INTERFACE_INCLUDE_DIRECTORIES "${LIMN_EV_INCLUDE}")
-  add_library(limn::ev ALIAS limn_ev)
   pkg_check_modules(prometheus REQUIRED IMPORTED_TARGET prometheus-cpp-core)
   pkg_check_modules(systemd REQUIRED IMPORTED_TARGET libsystemd)
   find_package(OpenMesh REQUIRED)

@@ -177,7 +177,8 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   std::unique_ptr<LwsTransport> transport;
   WorkerPool workers(
-      arguments.workers != 0 ? arguments.workers : std::max<std::size_t>(1, cores - 1),
+      // Two at least: one searches, one is there for what is urgent.
+      arguments.workers != 0 ? arguments.workers : std::max<std::size_t>(2, cores - 1),
       [&wakened] {
         if (wakened != nullptr) wakened->wake();
       });

@@ -223,6 +223,32 @@ HaveSet Channel::haveAfterStart() const {
   return have;
 }
 
+/// Goes on with what has been computed. True when there was something.
+bool Channel::adoptPending() {
+  if (!pending_ || !pending_->set) return false;
+  adopt(pendingPlan_, pending_->set);
+  pending_ = nullptr;
+  return true;
+}
+
+bool Channel::isLively() const {
+  if (loading() || heldPose_ || pending_ || contour_ || contourWanted_ || contourFailed_)
+    return true;
+  if (!pose_ || awaitingHaveSet_ || plan_ == Plan::kEverything) return false;
+  return !poseHasOwnSet_;
+}
+
+bool Channel::mayPrefetch(std::int64_t nowMs) const {
+  return satisfied_ && settledSent_ && !prefetching_ && !have_.complete() &&
+         options_.prefetchAfterMs >= 0 && pose_->maxSplits == 0 &&
+         nowMs - poseAtMs_ >= options_.prefetchAfterMs;
+}
+
+void Channel::prefetch() {
+  prefetching_ = true;
+  adopt(Plan::kEverything, nullptr);
+}
+
 bool Channel::planIsFinal() const {
   return plan_ == Plan::kPoseSettled || plan_ == Plan::kPoseExact || plan_ == Plan::kEverything;
 }
@@ -230,12 +256,7 @@ bool Channel::planIsFinal() const {
 /// Chooses the plan for the current pose at this moment. True when it changed.
 bool Channel::steer(ViewCells& cells, std::int64_t nowMs) {
   if (!model_ || !pose_ || awaitingHaveSet_) return false;
-  bool changed = false;
-  if (pending_ && pending_->set) {
-    adopt(pendingPlan_, pending_->set);
-    pending_ = nullptr;
-    changed = true;
-  }
+  bool changed = adoptPending();
   if (options_.randomSeed || pose_->goal == protocol::Goal::kComplete || have_.complete()) {
     if (plan_ != Plan::kEverything) {
       adopt(Plan::kEverything, nullptr);
@@ -255,7 +276,8 @@ bool Channel::steer(ViewCells& cells, std::int64_t nowMs) {
           exact ? ViewCells::Need::kExact : ViewCells::Need::kSettled,
           haveAfterStart());
       pendingPlan_ = exact ? Plan::kPoseExact : Plan::kPoseSettled;
-      poseHasOwnSet_ = true;
+      poseHasOwnSet_ = pending_ != nullptr;
+      changed = adoptPending() || changed;
     }
     return changed;
   }
@@ -297,15 +319,7 @@ bool Channel::lookAhead(ViewCells& cells, std::int64_t nowMs) {
 bool Channel::update(ViewCells& cells, std::int64_t nowMs) {
   bool changed = steer(cells, nowMs);
   changed = updateContour(cells) || changed;
-  changed = lookAhead(cells, nowMs) || changed;
-  if (satisfied_ && settledSent_ && !prefetching_ && !have_.complete() &&
-      options_.prefetchAfterMs >= 0 && pose_->maxSplits == 0 &&
-      nowMs - poseAtMs_ >= options_.prefetchAfterMs) {
-    prefetching_ = true;
-    adopt(Plan::kEverything, nullptr);
-    changed = true;
-  }
-  return changed;
+  return lookAhead(cells, nowMs) || changed;
 }
 
 OutMessage Channel::sharedMessage(protocol::Bytes message) const {
@@ -586,7 +600,10 @@ OutMessage Channel::packetOf(const Model::Run& run) {
 }
 
 OutMessage Channel::packetOf(const std::vector<VertexId>& ids) {
-  const auto coded = model_->packets().packet(ids);
+  PacketMaker& packets = model_->packets();
+  const std::uint64_t kept = packets.hits();
+  const auto coded = packets.packet(ids);
+  if (prefetching_ && packets.hits() == kept) prefetchedSplits_ += ids.size();
   for (const VertexId v : ids)
     have_.add(v);
   const double measured = static_cast<double>(coded->bytes()) / static_cast<double>(ids.size());

@@ -20,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace limn {
 
@@ -30,6 +31,7 @@ struct SessionOptions {
   std::size_t maxChannels = 16;             // models open at once on a connection
   std::int64_t restMs = 250;                // a pose this old is resting
   std::int64_t prefetchAfterMs = 1000;      // a pose this old gets everything; < 0: never
+  double prefetchSplitsPerSecond = 5e5;     // of all clients, unless others were sent the same
   std::int64_t aheadMs = 1500;              // how far a motion is followed ahead; 0: not at all
   double posesPerSecond = 60.0;             // of a channel; of more than that the newest count
   std::optional<std::uint64_t> randomSeed;  // test mode: splits in random legal order
@@ -113,6 +115,19 @@ class Channel {
   /// Takes in finished target sets and the passing of time. True when there may be more to send.
   [[nodiscard]] bool update(ViewCells& cells, std::int64_t nowMs);
 
+  /// Whether update() may soon have something to do though nothing comes from the client.
+  [[nodiscard]] bool isLively() const;
+
+  /// Whether there is time for what the pose does not need.
+  [[nodiscard]] bool mayPrefetch(std::int64_t nowMs) const;
+  /// From now on, until the next pose.
+  void prefetch();
+
+  /// How many splits were coded for that since the last call.
+  [[nodiscard]] double takePrefetchedSplits() {
+    return static_cast<double>(std::exchange(prefetchedSplits_, 0));
+  }
+
   /// Chooses a cell on the camera's way once everything before it is sent. True when it did: there
   /// may be more to send.
   [[nodiscard]] bool lookAhead(ViewCells& cells, std::int64_t nowMs);
@@ -153,6 +168,7 @@ class Channel {
   [[nodiscard]] HaveSet haveAfterStart() const;
   [[nodiscard]] bool planIsFinal() const;
   void adopt(Plan plan, std::shared_ptr<const TargetSet> target);
+  bool adoptPending();
   bool steer(ViewCells& cells, std::int64_t nowMs);
   void noteInView();
   void noteAllHeld(const std::shared_ptr<const TargetSet>& target);
@@ -228,6 +244,7 @@ class Channel {
   bool full_ = false;       // something that the pose needs is missing, and there is no room
   bool fullSent_ = false;
   bool prefetching_ = false;
+  std::size_t prefetchedSplits_ = 0;
   bool settledSent_ = false;   // for this pose and goal
   bool completeSent_ = false;  // for this pose
   std::optional<std::vector<std::uint8_t>> droppedAnswer_;

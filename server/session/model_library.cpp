@@ -111,6 +111,7 @@ void ModelLibrary::setAsset(const std::string& name, const Sha256Digest& asset) 
   ++reading_;
   const auto result = std::make_shared<Result<CatalogueItem>>(CatalogueItem{});
   tasks_.submit(
+      TaskUrgency::kView,
       [this, asset, result] {
         const auto opened = store_.open(asset);
         if (opened) {
@@ -160,6 +161,7 @@ void ModelLibrary::load(const std::string& name, const Sha256Digest& asset) {
   using LoadResult = Result<std::shared_ptr<const Model>>;
   const auto result = std::make_shared<LoadResult>(std::shared_ptr<const Model>());
   tasks_.submit(
+      TaskUrgency::kView,
       [this, asset, result] {
         auto opened = store_.open(asset);
         if (opened) {

@@ -17,14 +17,22 @@ class RateLimit {
 
   /// Whether one more may happen now; then it counts.
   [[nodiscard]] bool take(std::int64_t nowMs) {
+    if (!allows(nowMs)) return false;
+    left_ -= 1.0;
+    return true;
+  }
+
+  /// Whether one more might happen now.
+  [[nodiscard]] bool allows(std::int64_t nowMs) {
     if (nowMs > atMs_) {
       left_ = std::min(burst_, left_ + perMs_ * static_cast<double>(nowMs - atMs_));
       atMs_ = nowMs;
     }
-    if (left_ < 1.0) return false;
-    left_ -= 1.0;
-    return true;
+    return left_ >= 1.0;
   }
+
+  /// So many happened, allowed or not: what is over is waited for.
+  void spend(double count) { left_ -= count; }
 
   /// Allows so many more, up to the burst.
   void give(double count) { left_ = std::min(burst_, left_ + count); }

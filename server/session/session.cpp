@@ -250,6 +250,10 @@ void Session::update(std::int64_t nowMs) {
       if (!kept) continue;
     }
     more = channel.update(shared_.cells, nowMs) || more;
+    if (channel.mayPrefetch(nowMs) && shared_.prefetch.allows(nowMs)) {
+      channel.prefetch();
+      more = true;
+    }
     if (channel.contourFailed()) {
       refuse(
           protocol::WireError::kLimit,
@@ -315,6 +319,7 @@ std::optional<OutMessage> Session::nextPayload() {
     auto message = channel.nextPayload(window_);
     if (message) {
       channel.addServed(message->bytes().size());
+      shared_.prefetch.spend(channel.takePrefetchedSplits());
       return message;
     }
     // Nothing, as it turned out, or the window is full: then nobody else's turn comes before.

@@ -10,6 +10,7 @@
 
 #include "protocol/messages.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -26,6 +27,8 @@ struct SessionShared {
   ViewCells& cells;
   SessionOptions options;
   std::string serverName = "limn-server";
+  /// Splits that are coded only to be prefetched, of all clients.
+  RateLimit prefetch{options.prefetchSplitsPerSecond, options.prefetchSplitsPerSecond};
   // Counted by sessions.
   std::uint64_t poses = 0;
   std::uint64_t posesReplaced = 0;  // by a newer one before it was their turn
@@ -49,8 +52,16 @@ class Session {
 
   /// One message of the client. Answers come through nextMessage().
   void receive(protocol::Bytes message, std::int64_t nowMs);
-  /// To be called a few times a second, and after finished background work.
+  /// To be called about once a second; while isLively(), a few times a second, and after finished
+  /// background work.
   void update(std::int64_t nowMs);
+
+  /// Whether there may be something to do soon though nothing comes from the client: it waits for
+  /// background work, or for its pose to be at rest. Changes with every other call.
+  [[nodiscard]] bool isLively() const {
+    return std::ranges::any_of(channels_, [](const auto& c) { return c->isLively(); });
+  }
+
   /// The next message to write, if there is one now. Messages are made here, not before, so they
   /// are for the newest pose.
   [[nodiscard]] std::optional<OutMessage> nextMessage(std::int64_t nowMs);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace limn {
 namespace {
@@ -37,7 +36,7 @@ bool View::maySee(const glm::dvec3& center, double radius) const {
 
 double View::projectedPx(double length, const glm::dvec3& center, double radius) const {
   if (orthographic) return length * pixelsPerUnit;
-  const double nearest = glm::distance(center, eye) - radius;
+  const double nearest = glm::distance(center, eye) - radius - eyeRadius;
   if (nearest <= 0.0) return length > 0.0 ? std::numeric_limits<double>::infinity() : 0.0;
   return length * pixelsPerUnit / nearest;
 }
@@ -77,23 +76,28 @@ View viewOfPose(const protocol::Pose& pose, const Grid& grid) {
 Facing facingOf(const View& view, const SplitBounds& bounds, const SplitCone& cone) {
   if (cone.cos <= -1.0F) return Facing::kStraddling;
   const glm::dvec3 axis(cone.axis);
-  double halfAngle = std::acos(std::min(1.0, static_cast<double>(cone.cos)));
+  // Of the half-angle θ, and of the angle φ by which directions to the eye differ.
+  const double cosCone = std::min(1.0, static_cast<double>(cone.cos));
+  const double sinCone = std::sqrt(1.0 - cosCone * cosCone);
+  double sinSpread = 0.0;
   glm::dvec3 toEye = -view.forward;
   if (!view.orthographic) {
     const glm::dvec3 offset = view.eye - glm::dvec3(bounds.center);
     const double distance = glm::length(offset);
-    if (distance <= bounds.radius) return Facing::kStraddling;
+    const double spread = bounds.radius + view.eyeRadius;
+    if (distance <= spread) return Facing::kStraddling;
     toEye = offset / distance;
     // Directions to the eye from within the sphere differ by up to this from that of its centre.
-    halfAngle += std::asin(bounds.radius / distance);
+    sinSpread = spread / distance;
   }
-  constexpr double kRightAngle = std::numbers::pi / 2.0;
-  if (halfAngle >= kRightAngle) return Facing::kStraddling;
-  // Compared by sines: |cos(angle)| > sin(halfAngle) is |angle − 90°| > halfAngle.
+  const double cosSpread = std::sqrt(1.0 - sinSpread * sinSpread);
+  // θ + φ reaches a right angle.
+  if (cosCone * cosSpread <= sinCone * sinSpread) return Facing::kStraddling;
+  // Compared by sines: |cos(angle)| > sin(θ + φ) is |angle − 90°| > θ + φ.
   const double cosAngle = glm::dot(axis, toEye);
-  const double sinHalf = std::sin(halfAngle);
-  if (cosAngle > sinHalf) return Facing::kFront;
-  if (cosAngle < -sinHalf) return Facing::kBack;
+  const double sinBoth = sinCone * cosSpread + cosCone * sinSpread;
+  if (cosAngle > sinBoth) return Facing::kFront;
+  if (cosAngle < -sinBoth) return Facing::kBack;
   return Facing::kStraddling;
 }
 

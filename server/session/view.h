@@ -22,6 +22,8 @@ struct View {
     kCone,    // a cone around `forward` with coneHalfAngle
   };
   glm::dvec3 eye{0.0};
+  /// The eye may be anywhere within this of `eye`; what may be seen then is not clipped.
+  double eyeRadius = 0.0;
   glm::dvec3 forward{0.0, 0.0, -1.0};  // unit
   bool orthographic = false;
   /// A length projects to length · pixelsPerUnit pixels (orthographic) or length · pixelsPerUnit /

@@ -5,7 +5,7 @@
 #include "server/session/model.h"
 #include "server/session/target_set.h"
 #include "server/session/task_runner.h"
-#include "server/session/view.h"
+#include "server/session/view_cell.h"
 
 #include "protocol/messages.h"
 
@@ -18,18 +18,6 @@
 #include <vector>
 
 namespace limn {
-
-/// A cell of view space [Hoppe97's view-orthogonal cells, on the view sphere of Mohr13]: poses that
-/// need about the same splits. `view` stands for all of them.
-struct ViewCell {
-  std::uint64_t key = 0;  // equal keys: equal views
-  View view;              // seen from the middle of the cell
-};
-
-/// The cell of a pose on a model. Direction from the model's centre in steps of about 6 degrees,
-/// distance in quarters of an octave, error bound as an angle in half octaves (rounded down, to the
-/// finer), silhouette kind; and, unless the whole model is in view, the direction of view.
-[[nodiscard]] ViewCell viewCellOf(const protocol::Pose& pose, const protocol::ModelInfo& model);
 
 struct ViewCellOptions {
   std::size_t cacheBytes = std::size_t{256} << 20;
@@ -60,7 +48,8 @@ class ViewCells {
   /// kSettled nothing else may be added to `have` meanwhile: it is searched for on the mesh that
   /// the client will then have. Clients that hold the same and stand at the same place, a crowd
   /// that comes to a model's first view, share one set: it is computed once, and the last few are
-  /// kept.
+  /// kept. Beyond maxSearches it is that of the pose's restCellOf(), a cell like those of cell().
+  /// Null when too many of these are on their way: ask again later.
   [[nodiscard]] Ticket pose(
       const std::shared_ptr<const Model>& model,
       const protocol::Pose& pose,
@@ -112,6 +101,8 @@ class ViewCells {
     std::shared_ptr<const TargetSet> set;  // once computed
   };
 
+  [[nodiscard]] Ticket
+  shared(const std::shared_ptr<const Model>& model, const ViewCell& cell, TaskUrgency urgency);
   void evict();
   /// The set of an equal pose, there or on its way; null: nobody asked yet, or nobody wants it.
   [[nodiscard]] Ticket

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 namespace limn {
@@ -19,6 +20,8 @@ constexpr std::size_t kMaxReasonBytes = 123;  // of a close frame [RFC 6455, 5.5
 constexpr double kBurstSeconds = 2.0;
 constexpr std::size_t kSmallFrameBytes = 64;
 constexpr std::int64_t kLookMs = 1000;
+constexpr std::int64_t kPingMs = 20'000;    // of silence, then a ping
+constexpr std::int64_t kPongMs = 10'000;    // without an answer, then the line is taken for dead
 constexpr std::int64_t kFarewellMs = 2000;  // for a last message to a client that is given up
 
 }  // namespace
@@ -29,9 +32,15 @@ Connection::Connection(Client client, Shared shared, std::int64_t nowMs)
       shared_(shared),
       session_(shared.sessions, *this, nowMs, std::move(client.grant)),
       rate_(shared.limits.messagesPerSecond, kBurstSeconds * shared.limits.messagesPerSecond),
+      heardMs_(nowMs),
       progressMs_(nowMs) {}
 
 void Connection::wantWrite() {
+  if (!receiving_) askToWrite();
+}
+
+void Connection::askToWrite() {
+  if (wantsWrite_) return;
   wantsWrite_ = true;
   lws_callback_on_writable(wsi_);
 }
@@ -59,6 +68,8 @@ void Connection::giveUp(const std::string& why, Ending ending, std::int64_t nowM
 
 int Connection::receive(const void* in, std::size_t size, std::int64_t nowMs) {
   const auto* bytes = static_cast<const std::uint8_t*>(in);
+  heardMs_ = nowMs;
+  noteQuiet(nowMs);
   if (lws_frame_is_binary(wsi_) == 0) {
     return closeNow(LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE, "messages are binary", Ending::kProtocol);
   }
@@ -85,13 +96,23 @@ int Connection::receive(const void* in, std::size_t size, std::int64_t nowMs) {
     return 0;
   }
   ++shared_.traffic.receivedMessages;
+  receiving_ = true;
   if (partial_.empty()) {
     session_.receive({bytes, size}, nowMs);
+  } else {
+    partial_.insert(partial_.end(), bytes, bytes + size);
+    session_.receive(partial_, nowMs);
+    partial_ = {};
+  }
+  receiving_ = false;
+  // Most poses lead to nothing: then the socket need not be asked.
+  if (wantsWrite_) return 0;
+  if (auto message = session_.nextMessage(nowMs)) {
+    next_ = std::make_unique<OutMessage>(std::move(*message));
+  } else if (!session_.close()) {
     return 0;
   }
-  partial_.insert(partial_.end(), bytes, bytes + size);
-  session_.receive(partial_, nowMs);
-  partial_ = {};
+  askToWrite();
   return 0;
 }
 
@@ -109,7 +130,9 @@ int Connection::closedByPeer(std::string_view payload) {
 
 int Connection::write(std::int64_t nowMs) {
   wantsWrite_ = false;
-  const auto message = session_.nextMessage(nowMs);
+  if (pingWanted_) return ping();
+  const std::unique_ptr<OutMessage> made = std::move(next_);
+  const auto message = made ? std::optional(std::move(*made)) : session_.nextMessage(nowMs);
   if (!message) {
     const auto close = session_.close();
     if (!close) return 0;
@@ -131,18 +154,29 @@ int Connection::write(std::int64_t nowMs) {
   shared_.traffic.sentBytes += bytes.size();
   ++shared_.traffic.sentMessages;
   rate_.give(static_cast<double>(bytes.size()) / 1024.0);
-  wantWrite();
+  askToWrite();
   return 0;
+}
+
+int Connection::ping() {
+  pingWanted_ = false;
+  // Not empty: the library keeps quiet about an empty answer.
+  std::array<unsigned char, LWS_PRE + 1> text{};
+  if (lws_write(wsi_, text.data() + LWS_PRE, 1, LWS_WRITE_PING) < 0) return -1;
+  askToWrite();
+  return 0;
+}
+
+/// While nothing waits, nothing can stall: waiting begins after this.
+void Connection::noteQuiet(std::int64_t nowMs) {
+  if (!wantsWrite_ && !session_.waitingSinceMs()) progressMs_ = nowMs;
 }
 
 /// Whether for too long the network took nothing of what we have for the client, or the client
 /// acknowledged nothing of what it has been given. A slow link alone is no reason.
 bool Connection::stalled(std::int64_t nowMs) {
   const auto waiting = session_.waitingSinceMs();
-  if (!waiting && !wantsWrite_) {
-    progressMs_ = nowMs;
-    return false;
-  }
+  if (!waiting && !wantsWrite_) return false;
   if (nowMs - lookedMs_ >= std::min(kLookMs, shared_.limits.progressMs / 4)) {
     lookedMs_ = nowMs;
     int queued = 0;
@@ -157,8 +191,17 @@ bool Connection::stalled(std::int64_t nowMs) {
 }
 
 bool Connection::tick(std::int64_t nowMs) {
-  session_.update(nowMs);
+  update(nowMs);
   if (givenUpMs_ != 0) return nowMs - givenUpMs_ <= kFarewellMs;
+  if (nowMs - heardMs_ <= kPingMs) {
+    pingedMs_ = 0;
+  } else if (pingedMs_ == 0) {
+    pingedMs_ = nowMs;
+    pingWanted_ = true;
+    askToWrite();
+  } else if (nowMs - pingedMs_ > kPongMs) {
+    return false;
+  }
   if (!session_.greeted() && nowMs - session_.bornMs() > shared_.limits.handshakeMs) {
     giveUp(
         "no Hello within " + std::to_string(shared_.limits.handshakeMs) + " ms",

@@ -48,13 +48,22 @@ class Connection final : public Peer {
 
   [[nodiscard]] int receive(const void* in, std::size_t size, std::int64_t nowMs);
   [[nodiscard]] int write(std::int64_t nowMs);
+
+  /// The client answered a ping.
+  void answered(std::int64_t nowMs) { heardMs_ = nowMs; }
+
   /// The payload of the client's close frame. 0: the library answers it as it is.
   [[nodiscard]] int closedByPeer(std::string_view payload);
-  /// About 20 times a second: deadlines. False when the socket is to be cut.
+  /// At least about once a second: deadlines. False when the socket is to be cut.
   [[nodiscard]] bool tick(std::int64_t nowMs);
 
-  /// After finished background work.
-  void update(std::int64_t nowMs) { session_.update(nowMs); }
+  /// While isLively(): about 20 times a second, and after finished background work.
+  void update(std::int64_t nowMs) {
+    noteQuiet(nowMs);
+    session_.update(nowMs);
+  }
+
+  [[nodiscard]] bool isLively() const { return session_.isLively(); }
 
   void drain(std::uint32_t retryAfterMs);
 
@@ -70,12 +79,16 @@ class Connection final : public Peer {
 
   /// Memory held for this client, what is shared excluded.
   [[nodiscard]] std::size_t bytes() const {
-    return sizeof(*this) - sizeof(session_) + session_.bytes() + partial_.capacity();
+    return sizeof(*this) - sizeof(session_) + session_.bytes() + partial_.capacity() +
+           (next_ ? sizeof(OutMessage) + next_->owned.capacity() : 0);
   }
 
  private:
+  void askToWrite();
+  [[nodiscard]] int ping();
   int closeNow(int code, const std::string& reason, Ending ending);
   void giveUp(const std::string& why, Ending ending, std::int64_t nowMs);
+  void noteQuiet(std::int64_t nowMs);
   [[nodiscard]] bool stalled(std::int64_t nowMs);
 
   lws* wsi_;
@@ -85,7 +98,12 @@ class Connection final : public Peer {
   RateLimit rate_;
   std::vector<std::uint8_t> partial_;  // of a message that came in pieces
   Ending ending_ = Ending::kLeft;
-  bool wantsWrite_ = false;
+  std::unique_ptr<OutMessage> next_;  // made while nothing else was to be written
+  bool wantsWrite_ = false;           // the socket was asked for a callback
+  bool receiving_ = false;            // what the session wants then is asked for afterwards
+  bool pingWanted_ = false;
+  std::int64_t pingedMs_ = 0;    // since it was last heard; 0: not
+  std::int64_t heardMs_;         // when anything last came
   std::int64_t givenUpMs_ = 0;   // 0: not
   std::int64_t progressMs_ = 0;  // when something was last written or taken by the network
   std::int64_t lookedMs_ = 0;    // when the network's queue was last looked at

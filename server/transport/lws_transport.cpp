@@ -4,8 +4,9 @@
 // receive buffer; an IPv4 address binds every interface while IPv6 is on; lws_write() is for the
 // writeable callback, once each; partial writes are the library's to finish; lws_cancel_service()
 // is the one call for other threads; the descriptor table follows `ulimit -n` unless told; an
-// Upgrade to anything but "websocket" is refused (use after free, NN-2025-0102). permessage-deflate
-// stays off: packets do not deflate, and it costs 265 KiB a client.
+// Upgrade to anything but "websocket" is refused (use after free, NN-2025-0102); a timer costs time
+// in proportion to those that are set. permessage-deflate stays off: packets do not deflate, and it
+// costs 265 KiB a client.
 #include "server/transport/lws_transport.h"
 
 #include "server/transport/connection.h"
@@ -25,7 +26,6 @@
 #include <csignal>
 #include <cstring>
 #include <ctime>
-#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 #include <vector>
@@ -34,6 +34,8 @@ namespace limn {
 namespace {
 
 constexpr double kTickSeconds = 0.05;
+constexpr std::int64_t kLookMs = 1000;     // deadlines are looked at so often
+constexpr std::size_t kLookedAtOnce = 64;  // by a tick, at least
 constexpr std::size_t kTxPacketBytes = 64 * 1024;
 constexpr std::size_t kRxBufferBytes = 4 * 1024;
 constexpr std::size_t kMaxHeaderBytes = 4 * 1024;  // of a request
@@ -103,6 +105,43 @@ struct Socket {
   bool answered = false;
   std::shared_ptr<const Grant> grant;  // of an upgrade that is let in
   std::unique_ptr<Connection> connection;
+  std::size_t place = kNowhere;        // among those with a connection
+  std::size_t livelyPlace = kNowhere;  // among the lively ones
+
+  static constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
+};
+
+/// Some sockets; each knows its place, so that coming and going cost the same for any number.
+template <std::size_t Socket::*Place>
+class SocketList {
+ public:
+  [[nodiscard]] std::size_t size() const { return sockets_.size(); }
+
+  [[nodiscard]] bool empty() const { return sockets_.empty(); }
+
+  [[nodiscard]] Socket& operator[](std::size_t i) const { return *sockets_[i]; }
+
+  [[nodiscard]] auto begin() const { return sockets_.begin(); }
+
+  [[nodiscard]] auto end() const { return sockets_.end(); }
+
+  void add(Socket& socket) {
+    if (socket.*Place != Socket::kNowhere) return;
+    socket.*Place = sockets_.size();
+    sockets_.push_back(&socket);
+  }
+
+  /// The last one takes its place.
+  void remove(Socket& socket) {
+    const std::size_t place = std::exchange(socket.*Place, Socket::kNowhere);
+    if (place == Socket::kNowhere) return;
+    sockets_[place] = sockets_.back();
+    if (sockets_[place] != &socket) sockets_[place]->*Place = place;
+    sockets_.pop_back();
+  }
+
+ private:
+  std::vector<Socket*> sockets_;
 };
 
 std::string subjectOf(const Socket& socket) {
@@ -165,6 +204,7 @@ class Transport final : public LwsTransport {
   void countRefusal(Refusal why, const std::string& address);
   void onTick();
   void onWoken();
+  void updateLively(std::int64_t now);
   void beginDrain();
   [[nodiscard]] ServerStatus status() const;
 
@@ -179,7 +219,9 @@ class Transport final : public LwsTransport {
   int port_ = 0;
   int metricsPort_ = 0;
   std::unordered_set<Socket*> young_;  // with a deadline
-  std::unordered_map<Connection*, lws*> connections_;
+  SocketList<&Socket::place> connected_;
+  SocketList<&Socket::livelyPlace> lively_;  // to be updated
+  std::size_t looked_ = 0;                   // whose deadlines come next, of connected_
   ConnectionCounter sockets_;
   ConnectionCounter clients_;
   std::vector<std::uint8_t> scratch_;
@@ -215,8 +257,9 @@ const std::array<lws_protocols, 3> kProtocols = {{
     {nullptr, nullptr, 0, 0, 0, nullptr, 0},
 }};
 
-// Silent connections are pinged and hung up on.
-const lws_retry_bo_t kLiveness = {nullptr, 0, 0, 20, 30, 0};
+// Connections ping by themselves: the library sorts its timers into a list from its front, so that
+// each of 15,000 would be passed for every one that is set.
+const lws_retry_bo_t kNoPings = {nullptr, 0, 0, 0, 0, 0};
 
 Result<void> Transport::start() {
   rlimit files{};
@@ -265,7 +308,7 @@ Result<void> Transport::start() {
   info.max_http_header_data = kMaxHeaderBytes;
   info.fd_limit_per_thread = static_cast<unsigned>(std::min<std::size_t>(mostFiles, 1U << 20));
   info.pt_serv_buf_size = static_cast<unsigned>(kTxPacketBytes);
-  info.retry_and_idle_policy = &kLiveness;
+  info.retry_and_idle_policy = &kNoPings;
   context_ = lws_create_context(&info);
   if (context_ == nullptr) {
     return fail(
@@ -295,7 +338,7 @@ Result<lws_vhost*> Transport::openVhost(const ListenAddress& address, const char
   // Ours comes first; this one is for what never becomes a socket of ours (TLS handshakes).
   info.timeout_secs = static_cast<unsigned>(options_.limits.handshakeMs / 1000 + 1);
   info.keepalive_timeout = 15;
-  info.retry_and_idle_policy = &kLiveness;
+  info.retry_and_idle_policy = &kNoPings;
   if (!address.ipv6) info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
   info.alpn = "http/1.1";
   if (isMain && !options_.tlsCertificate.empty()) {
@@ -421,7 +464,7 @@ int Transport::establish(lws* wsi) {
       Connection::Client{wsi, ++accepted_, socket->grant},
       Connection::Shared{options_.limits, shared_, traffic_, scratch_},
       nowMs());
-  connections_.emplace(socket->connection.get(), wsi);
+  connected_.add(*socket);
   if (handlers_.happened) {
     handlers_.happened(
         {TransportEvent::Kind::kOpened,
@@ -439,7 +482,8 @@ void Transport::ended(Socket& socket) {
   if (!socket.connection) return;
   const std::unique_ptr<Connection> connection = std::move(socket.connection);
   clients_.leave(socket.address);
-  connections_.erase(connection.get());
+  connected_.remove(socket);
+  lively_.remove(socket);
   ++endings_[static_cast<std::size_t>(connection->ending())];
   if (!handlers_.happened) return;
   std::string why = nameOf(connection->ending());
@@ -459,12 +503,21 @@ int Transport::onWebSocket(lws* wsi, lws_callback_reasons reason, void* in, std:
   switch (reason) {
     case LWS_CALLBACK_ESTABLISHED:
       return establish(wsi);
-    case LWS_CALLBACK_RECEIVE:
-      return socket != nullptr && socket->connection
-                 ? socket->connection->receive(in, size, nowMs())
-                 : -1;
-    case LWS_CALLBACK_SERVER_WRITEABLE:
-      return socket != nullptr && socket->connection ? socket->connection->write(nowMs()) : -1;
+    case LWS_CALLBACK_RECEIVE: {
+      if (socket == nullptr || !socket->connection) return -1;
+      const int result = socket->connection->receive(in, size, nowMs());
+      if (socket->connection->isLively()) lively_.add(*socket);
+      return result;
+    }
+    case LWS_CALLBACK_SERVER_WRITEABLE: {
+      if (socket == nullptr || !socket->connection) return -1;
+      const int result = socket->connection->write(nowMs());
+      if (socket->connection->isLively()) lively_.add(*socket);
+      return result;
+    }
+    case LWS_CALLBACK_RECEIVE_PONG:
+      if (socket != nullptr && socket->connection) socket->connection->answered(nowMs());
+      return 0;
     case LWS_CALLBACK_WS_PEER_INITIATED_CLOSE:
       return socket != nullptr && socket->connection
                  ? socket->connection->closedByPeer({static_cast<const char*>(in), size})
@@ -548,7 +601,7 @@ ServerStatus Transport::status() const {
     status.ready = false;
     status.notReadyBecause = "draining";
   }
-  status.connections = connections_.size();
+  status.connections = connected_.size();
   status.connectionsTotal = accepted_;
   for (std::size_t i = 0; i < refused_.size(); ++i)
     status.connectionsRefusedTotal[nameOf(static_cast<Refusal>(i))] = refused_[i];
@@ -561,8 +614,8 @@ ServerStatus Transport::status() const {
   status.posesTotal = shared_.poses;
   status.posesReplacedTotal = shared_.posesReplaced;
   status.uptimeSeconds = static_cast<double>(nowMs() - startedMs_) / 1000.0;
-  for (const auto& [connection, wsi] : connections_)
-    status.sessionBytes += connection->bytes();
+  for (const Socket* socket : connected_)
+    status.sessionBytes += socket->connection->bytes();
   return status;
 }
 
@@ -572,12 +625,19 @@ void Transport::onTick() {
     const double since = static_cast<double>(now - tickedMs_) / 1000.0;
     loopLag_.add(std::max(0.0, since - kTickSeconds));
   }
+  const std::int64_t sinceMs = tickedMs_ == 0 ? 0 : now - tickedMs_;
   tickedMs_ = now;
   if (handlers_.tick) handlers_.tick(now);
+  updateLively(now);
   bool cuts = false;
-  for (const auto& [connection, wsi] : connections_) {
-    if (connection->tick(now)) continue;
-    cut(wsi);
+  const std::size_t some = std::max<std::size_t>(
+      kLookedAtOnce,
+      connected_.size() * static_cast<std::size_t>(sinceMs) / kLookMs + 1);
+  for (std::size_t i = std::min(some, connected_.size()); i > 0; --i) {
+    looked_ = looked_ + 1 < connected_.size() ? looked_ + 1 : 0;
+    const Socket& socket = connected_[looked_];
+    if (socket.connection->tick(now)) continue;
+    cut(socket.wsi);
     cuts = true;
   }
   for (Socket* socket : young_) {
@@ -594,16 +654,26 @@ void Transport::onTick() {
   }
   // The library looks at its timers only after events of its own.
   if (cuts) lws_cancel_service(context_);
-  if (drainUntilMs_ != 0 && (connections_.empty() || now >= drainUntilMs_)) {
+  if (drainUntilMs_ != 0 && (connected_.empty() || now >= drainUntilMs_)) {
     ev_break(loop_, EVBREAK_ALL);
   }
 }
 
 void Transport::onWoken() {
   if (handlers_.woken) handlers_.woken();
-  const std::int64_t now = nowMs();
-  for (const auto& [connection, wsi] : connections_)
-    connection->update(now);
+  updateLively(nowMs());
+}
+
+void Transport::updateLively(std::int64_t now) {
+  for (std::size_t i = 0; i < lively_.size();) {
+    Socket& socket = lively_[i];
+    socket.connection->update(now);
+    if (socket.connection->isLively()) {
+      ++i;
+    } else {
+      lively_.remove(socket);
+    }
+  }
 }
 
 void Transport::beginDrain() {
@@ -615,8 +685,8 @@ void Transport::beginDrain() {
   drainUntilMs_ = nowMs() + options_.drainMs;
   // Spread over a while, so that clients do not all come back at the same moment.
   std::uint32_t spread = 0;
-  for (const auto& [connection, wsi] : connections_) {
-    connection->drain(kDrainRetryMs + spread);
+  for (const Socket* socket : connected_) {
+    socket->connection->drain(kDrainRetryMs + spread);
     spread = (spread + 97) % kDrainSpreadMs;
   }
 }

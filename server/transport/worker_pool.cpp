@@ -3,18 +3,23 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace limn {
 namespace {
 
 constexpr int kNice = 4;
+constexpr int kSearchNice = 15;  // of threads that search: they take what nobody else wants
+constexpr auto kSearch = static_cast<std::size_t>(TaskUrgency::kSearch);
 
 }  // namespace
 
 WorkerPool::WorkerPool(std::size_t threads, std::function<void()> wake) : wake_(std::move(wake)) {
-  for (std::size_t i = 0; i < threads; ++i)
-    threads_.emplace_back([this] { serve(); });
+  for (std::size_t i = 0; i < threads; ++i) {
+    const Role role = threads == 1 ? Role::kBoth : i == 0 ? Role::kUrgent : Role::kSearching;
+    threads_.emplace_back([this, role] { serve(role); });
+  }
 }
 
 WorkerPool::~WorkerPool() {
@@ -25,7 +30,8 @@ void WorkerPool::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
-    queue_.clear();
+    for (auto& queue : queues_)
+      queue.clear();
   }
   condition_.notify_all();
   for (std::thread& thread : threads_)
@@ -33,13 +39,17 @@ void WorkerPool::stop() {
   threads_.clear();
 }
 
-void WorkerPool::submit(std::function<void()> work, std::function<void()> done) {
+void WorkerPool::submit(
+    TaskUrgency urgency,
+    std::function<void()> work,
+    std::function<void()> done) {
   ++pending_;
   {
     const std::lock_guard lock(mutex_);
-    queue_.push_back({std::move(work), std::move(done)});
+    queues_[static_cast<std::size_t>(urgency)].push_back({std::move(work), std::move(done)});
   }
-  condition_.notify_one();
+  // Not one: it may be one that must not take it.
+  condition_.notify_all();
 }
 
 std::size_t WorkerPool::runDone() {
@@ -54,23 +64,57 @@ std::size_t WorkerPool::runDone() {
   return finished.size();
 }
 
-void WorkerPool::serve() {
+bool WorkerPool::hasUrgent() const {
+  return std::any_of(queues_.begin(), queues_.begin() + kSearch, [](const auto& queue) {
+    return !queue.empty();
+  });
+}
+
+bool WorkerPool::hasNext(Role role) const {
+  const bool hasSearch = !queues_[kSearch].empty();
+  switch (role) {
+    case Role::kUrgent:
+      return hasUrgent();
+    case Role::kSearching:
+      return hasSearch || (urgentIsBusy_ && hasUrgent());
+    case Role::kBoth:
+      break;
+  }
+  return hasSearch || hasUrgent();
+}
+
+WorkerPool::Task WorkerPool::next(Role role) {
+  const std::size_t least = role == Role::kUrgent ? kSearch - 1 : kSearch;
+  const bool isTheirTurn = role == Role::kSearching || ++taken_ % kTurn == 0;
+  std::size_t urgency = isTheirTurn ? least : 0;
+  while (queues_[urgency].empty())
+    urgency += isTheirTurn ? -1 : 1;
+  Task task = std::move(queues_[urgency].front());
+  queues_[urgency].pop_front();
+  if (role == Role::kUrgent) {
+    urgentIsBusy_ = true;
+    condition_.notify_all();
+  }
+  return task;
+}
+
+void WorkerPool::serve(Role role) {
   // The loop comes first where both want a core: on Linux this is of the thread alone. Without the
   // right to, it stays as it is.
-  static_cast<void>(setpriority(PRIO_PROCESS, 0, kNice));
+  static_cast<void>(setpriority(PRIO_PROCESS, 0, role == Role::kSearching ? kSearchNice : kNice));
   while (true) {
     Task task;
     {
       std::unique_lock lock(mutex_);
-      condition_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
+      condition_.wait(lock, [this, role] { return stopping_ || hasNext(role); });
       if (stopping_) return;
-      task = std::move(queue_.front());
-      queue_.pop_front();
+      task = next(role);
     }
     task.work();
     task.work = nullptr;  // what it captured goes here, not on the loop thread
     {
       const std::lock_guard lock(mutex_);
+      if (role == Role::kUrgent) urgentIsBusy_ = false;
       finished_.push_back(std::move(task.done));
     }
     wake_();

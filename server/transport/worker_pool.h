@@ -3,7 +3,10 @@
 
 #include "server/session/task_runner.h"
 
+#include <array>
 #include <condition_variable>
+#include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -12,8 +15,10 @@
 
 namespace limn {
 
-/// A TaskRunner of threads. Finished work waits until the loop thread calls runDone(); `wake` is
-/// called from a worker to make it do so.
+/// A TaskRunner of threads. The most urgent work goes first, in order of its coming; but one task
+/// in kTurn is the least urgent that waits, so that none waits for ever. Where there are
+/// more threads than one, one never searches. Finished work waits until the loop thread calls
+/// runDone(); `wake` is called from a worker to make it do so.
 class WorkerPool final : public TaskRunner {
  public:
   WorkerPool(std::size_t threads, std::function<void()> wake);
@@ -21,7 +26,7 @@ class WorkerPool final : public TaskRunner {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  void submit(std::function<void()> work, std::function<void()> done) override;
+  void submit(TaskUrgency urgency, std::function<void()> work, std::function<void()> done) override;
 
   [[nodiscard]] std::size_t pending() const override { return pending_; }
 
@@ -37,16 +42,30 @@ class WorkerPool final : public TaskRunner {
     std::function<void()> done;
   };
 
-  void serve();
+  static constexpr std::size_t kTurn = 8;
+
+  enum class Role : std::uint8_t {
+    kBoth,       // the only thread
+    kUrgent,     // never searches
+    kSearching,  // takes what is urgent while the other is busy
+  };
+
+  void serve(Role role);
+  // With mutex_ held.
+  [[nodiscard]] bool hasUrgent() const;
+  [[nodiscard]] bool hasNext(Role role) const;
+  [[nodiscard]] Task next(Role role);  // hasNext(role)
 
   std::function<void()> wake_;
   std::size_t pending_ = 0;  // loop thread
   std::mutex mutex_;
   std::condition_variable condition_;
-  std::deque<Task> queue_;                       // guarded by mutex_
-  std::vector<std::function<void()>> finished_;  // guarded by mutex_
-  bool stopping_ = false;                        // guarded by mutex_
-  std::vector<std::thread> threads_;             // last: they use all of the above
+  std::array<std::deque<Task>, kTaskUrgencies> queues_;  // guarded by mutex_
+  bool urgentIsBusy_ = false;                            // guarded by mutex_
+  std::size_t taken_ = 0;                                // guarded by mutex_
+  std::vector<std::function<void()>> finished_;          // guarded by mutex_
+  bool stopping_ = false;                                // guarded by mutex_
+  std::vector<std::thread> threads_;                     // last: they use all of the above
 };
 
 }  // namespace limn

@@ -44,7 +44,7 @@ double cpuUs() {
 
 class InlineTasks final : public TaskRunner {
  public:
-  void submit(std::function<void()> work, std::function<void()> done) override {
+  void submit(TaskUrgency, std::function<void()> work, std::function<void()> done) override {
     work();
     done();
   }

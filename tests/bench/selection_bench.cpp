@@ -38,7 +38,7 @@ double cpuMs() {
 /// Runs work where it is asked for, on this thread, and times it.
 class TimedTasks final : public TaskRunner {
  public:
-  void submit(std::function<void()> work, std::function<void()> done) override {
+  void submit(TaskUrgency, std::function<void()> work, std::function<void()> done) override {
     queue_.emplace_back(std::move(work), std::move(done));
   }
 

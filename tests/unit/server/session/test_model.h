@@ -114,7 +114,7 @@ inline std::shared_ptr<const Model> modelOf(
 /// Runs work when told to, on this thread.
 class ManualTasks final : public TaskRunner {
  public:
-  void submit(std::function<void()> work, std::function<void()> done) override {
+  void submit(TaskUrgency, std::function<void()> work, std::function<void()> done) override {
     queue_.push_back({std::move(work), std::move(done)});
   }
 

@@ -74,6 +74,60 @@ TEST(ViewCellOf, ThePoseIsNearTheMiddleOfItsCell) {
   }
 }
 
+TEST(RestCellOf, ItsSetHasWhatAnyPoseInItNeeds) {
+  const Model& model = *sphere();
+  const auto& info = model.info();
+  Rng rng(5);
+  std::size_t shared = 0;
+  for (int i = 0; i < 200; ++i) {
+    const glm::dvec3 direction(rng.uniform() - 0.5, rng.uniform() - 0.5, rng.uniform() - 0.5);
+    protocol::Pose pose = poseAt(info, direction, 3.2 + 3.0 * rng.uniform());
+    pose.silhouette = i % 2 == 0 ? protocol::Silhouette::kSmooth : protocol::Silhouette::kEdges;
+    const auto cell = restCellOf(pose, info);
+    ASSERT_TRUE(cell);
+    const auto cones = smoothConesOf(model.forest());
+    const auto wide = classifySplits(model.forest(), cell->view, cones);
+    const auto needed =
+        classifySplits(model.forest(), viewOfPose(pose, model.forest().grid), cones);
+    for (std::size_t s = 0; s < needed.size(); ++s)
+      ASSERT_LE(wide[s], needed[s]) << "split " << s << " of pose " << i;
+    // One that stands beside it.
+    protocol::Pose beside = pose;
+    beside.eye += 0.003 * info.radius * glm::dvec3(1.0, 0.0, 0.0);
+    const auto other = restCellOf(beside, info);
+    if (other && other->key == cell->key) ++shared;
+  }
+  EXPECT_GT(shared, 100U);
+}
+
+TEST(RestCellOf, IsOnlyForModelsThatAreSeenWhole) {
+  const auto& info = sphere()->info();
+  EXPECT_TRUE(restCellOf(poseAt(info, {0, 0, 1}, 4.0), info));
+  EXPECT_FALSE(restCellOf(poseAt(info, {0, 0, 1}, 1.1), info)) << "too near";
+  protocol::Pose pose = poseAt(info, {0, 0, 1}, 4.0);
+  pose.forward = glm::normalize(glm::dvec3(0.5, 0.0, -1.0));
+  EXPECT_FALSE(restCellOf(pose, info)) << "half out of view";
+  pose = poseAt(info, {0, 0, 1}, 4.0);
+  pose.orthoHeight = 2.0;
+  EXPECT_FALSE(restCellOf(pose, info)) << "orthographic";
+}
+
+TEST(ViewCells, BeyondSoManySearchesCellsDecide) {
+  ManualTasks tasks;
+  ViewCells cells(tasks, {.maxPending = 1, .maxSearches = 1});
+  const auto& info = sphere()->info();
+  const HaveSet have = baseOf(*sphere());
+  using enum ViewCells::Need;
+  const auto searched = cells.pose(sphere(), poseAt(info, {0, 0, 1}, 4.0), kSettled, have);
+  const auto second = cells.pose(sphere(), poseAt(info, {1, 0, 0}, 4.0), kSettled, have);
+  const auto third = cells.pose(sphere(), poseAt(info, {1, 0.001, 0}, 4.0), kSettled, have);
+  EXPECT_EQ(second, third) << "one for all who stand about there";
+  EXPECT_EQ(cells.pose(sphere(), poseAt(info, {0, 1, 0}, 4.0), kSettled, have), nullptr) << "later";
+  EXPECT_EQ(tasks.runAll(), 2U);
+  EXPECT_NE(searched->set, nullptr);
+  EXPECT_NE(second->set, nullptr);
+}
+
 TEST(ViewCells, ComputesACellOnceAndSharesIt) {
   ManualTasks tasks;
   ViewCells cells(tasks, {});
