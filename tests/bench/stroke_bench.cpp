@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A frame of lines on the processor, stage by stage: detection, chaining, and everything of
 // client/stroke up to the strips that the GPU draws. One thread's processor time; medians over an
-// orbit.
+// orbit. Then how far textures slide along the lines on an orbit at 1 degree a frame.
+//   limn-stroke-bench [--quick] [MODEL-FILE...]   (more models to measure slides of)
 #include "client/stroke/chain.h"
 #include "client/stroke/stroke_builder.h"
 #include "tests/corpus/corpus.h"
+#include "tests/texture_slide.h"
 
 #include "shared/silhouette/detector.h"
 
@@ -100,6 +102,51 @@ void benchMesh(const corpus::Mesh& model, double targetMs, int frames) {
       mean(vertices));
 }
 
+/// Slides over forty frames, coherent and, as the control, each frame for itself.
+void measureSlides(const corpus::Mesh& model) {
+  constexpr int kFrames = 40;
+  constexpr Viewport kViewport{1024, 1024};
+  const TriangleMesh& shape = model.mesh;
+  const auto mesh =
+      HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
+  if (!mesh) return;
+  const SilhouetteField field(*mesh, shape.positions, SilhouetteKind::kSmooth);
+  const auto detector = makeDetector(DetectorMethod::kCones, field);
+  SilhouetteChainer chainer;
+  const StrokeStyle style;
+  const float period = texturePeriod(style, style.widthPx);
+  const BoundingSphere sphere = boundingSphere(shape.grid, shape.positions);
+  std::array<StrokeBuilder, 2> builders;
+  std::array<StrokeFrame, 2> last;
+  std::array<std::vector<double>, 2> slides;
+  for (int i = 0; i <= kFrames; ++i) {
+    const Camera camera = orbitCamera(sphere, 30.0 + i, 20.0);
+    const LineScene scene{*mesh, shape.positions, shape.grid, camera, kViewport};
+    const SilhouetteView view{shape.grid.fromModel(camera.eye), camera.forward(), false};
+    const PolylineSet& lines = chainer.chain(field, view, detector->detect(view));
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (k == 1) builders[k] = StrokeBuilder();
+      const BuiltStrokes built = builders[k].build(lines, scene, style, {.widthPx = style.widthPx});
+      StrokeFrame frame{camera, built.spines, built.parameters};
+      if (i > 0) {
+        const std::vector<float> moved = textureSlides(last[k], frame, kViewport, period);
+        slides[k].insert(slides[k].end(), moved.begin(), moved.end());
+      }
+      last[k] = std::move(frame);
+    }
+  }
+  if (slides[0].empty() || slides[1].empty()) return;
+  std::sort(slides[0].begin(), slides[0].end());
+  const auto above = slides[0].end() - std::upper_bound(slides[0].begin(), slides[0].end(), 1.0);
+  std::printf(
+      "%-18s %8.3f %7.1f %% %8.2f  target 1.0 %s\n",
+      model.name.c_str(),
+      median(slides[0]),
+      100.0 * static_cast<double>(above) / static_cast<double>(slides[0].size()),
+      median(slides[1]),
+      median(slides[0]) <= 1.0 ? "met" : "NOT");
+}
+
 int run(int argc, char** argv) {
   const bool isQuick = argc > 1 && std::strcmp(argv[1], "--quick") == 0;
   std::printf("%-18s", "ms a frame");
@@ -109,6 +156,12 @@ int run(int argc, char** argv) {
   for (const Target& target : kTargets) {
     if (isQuick && std::strcmp(target.file, "dragon.ply") == 0) continue;
     if (const corpus::Mesh* mesh = corpus::model(target.file)) benchMesh(*mesh, target.ms, 60);
+  }
+  std::vector<const char*> files = {"bunny-closed.ply", "turbine-blade.ply", "fandisk.off"};
+  files.insert(files.end(), argv + (isQuick ? 2 : 1), argv + argc);
+  std::printf("\n%-18s %8s %9s %8s\n", "slide, px a frame", "median", "above 1", "alone");
+  for (const char* file : files) {
+    if (const corpus::Mesh* mesh = corpus::model(file)) measureSlides(*mesh);
   }
   return 0;
 }

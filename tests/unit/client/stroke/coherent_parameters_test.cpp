@@ -3,6 +3,7 @@
 
 #include "client/stroke/chain.h"
 #include "client/stroke/stroke_builder.h"
+#include "tests/texture_slide.h"
 
 #include "shared/mesh/primitives.h"
 #include "shared/silhouette/detector.h"
@@ -36,11 +37,7 @@ class Film {
     style_.hidden.lengthPx = 128.0F;
   }
 
-  struct Frame {
-    Camera camera;
-    SpineSet spines;
-    SpineParameters parameters;
-  };
+  using Frame = StrokeFrame;
 
   Frame shoot(double azimuth, StrokeBuilder& builder, double distance = 3.0) {
     const BoundingSphere sphere = boundingSphere(shape_.grid, shape_.positions);
@@ -54,49 +51,11 @@ class Film {
 
   [[nodiscard]] float period() const { return texturePeriod(style_, style_.widthPx); }
 
-  /// Pixels by which the texture moved along the lines from one frame to the next, at the points of
-  /// `before` that have a line of `after` beside them: against the model itself.
   [[nodiscard]] std::vector<float> slides(const Frame& before, const Frame& after) const {
-    const glm::dmat4 clipFromWorld = after.camera.clipFromWorld(1.0);
-    const glm::dmat4 worldFromClip = glm::inverse(before.camera.clipFromWorld(1.0));
-    std::vector<float> result;
-    for (const SpineSet::Spine& spine : before.spines.spines) {
-      for (std::uint32_t i = spine.begin; i < spine.end; i += 7) {
-        const glm::vec2 p = before.spines.exact[i];
-        const glm::dvec4 world = worldFromClip * glm::dvec4(
-                                                     2.0 * p.x / kViewport.width - 1.0,
-                                                     1.0 - 2.0 * p.y / kViewport.height,
-                                                     2.0 * before.spines.depth[i] - 1.0,
-                                                     1.0);
-        const glm::dvec3 there =
-            pixelFromClip(clipFromWorld * glm::dvec4(glm::dvec3(world) / world.w, 1.0), kViewport);
-        const auto found = parameterBeside(after, glm::vec2(there), static_cast<float>(there.z));
-        if (!found) continue;
-        const float change = *found - before.parameters.from[i];
-        result.push_back(std::abs(change - period() * std::round(change / period())));
-      }
-    }
-    return result;
+    return textureSlides(before, after, kViewport, period());
   }
 
  private:
-  static std::optional<float> parameterBeside(const Frame& frame, const glm::vec2& p, float depth) {
-    float best = 2.0F;
-    std::optional<float> parameter;
-    for (const SpineSet::Spine& spine : frame.spines.spines) {
-      for (std::uint32_t i = spine.begin; i + 1 < spine.end; ++i) {
-        const glm::vec2 a = frame.spines.exact[i];
-        const glm::vec2 ab = frame.spines.exact[i + 1] - a;
-        const float t = std::clamp(glm::dot(p - a, ab) / glm::dot(ab, ab), 0.0F, 1.0F);
-        const float distance = glm::distance(p, a + t * ab);
-        if (distance >= best || std::abs(frame.spines.depth[i] - depth) > 0.02F) continue;
-        best = distance;
-        parameter = glm::mix(frame.parameters.from[i], frame.parameters.to[i], t);
-      }
-    }
-    return parameter;
-  }
-
   TriangleMesh shape_;
   HalfEdgeMesh mesh_;
   SilhouetteField field_;
