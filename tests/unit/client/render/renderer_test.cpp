@@ -159,6 +159,62 @@ TEST_P(RendererOn, CrowdedHiddenLinesAreMuchPalerThanFew) {
   EXPECT_LT(2 * darkest(60), alone);
 }
 
+/// Mean darkness of the picture's middle, from upright lines in front of everything.
+double toneOfLines(Renderer& renderer, float spacingPx, const RenderOptions& options) {
+  const MeshSnapshot cube = snapshotOf(primitives::cube());
+  const Camera camera = orbitCamera(cube.model.sphere, 0, 0);
+  const Viewport& viewport = options.viewport;
+  const glm::dmat4 worldFromClip = glm::inverse(camera.clipFromWorld(viewport.aspect()));
+  const auto at = [&](float x, float y) {
+    const glm::dvec4 world =
+        worldFromClip *
+        glm::dvec4(2.0 * x / viewport.width - 1.0, 1.0 - 2.0 * y / viewport.height, -0.9, 1.0);
+    return glm::vec3(cube.model.grid.fromModel(glm::dvec3(world) / world.w));
+  };
+  const auto width = static_cast<float>(viewport.width);
+  PolylineSet lines;
+  for (float x = 0.2F * width; x < 0.8F * width; x += spacingPx) {
+    const auto begin = static_cast<std::uint32_t>(lines.points.size());
+    for (const float y : {0.1F, 0.9F}) {
+      lines.points.push_back(at(x, y * width));
+      lines.halfEdges.push_back(kNone);
+      lines.faces.push_back(kNone);
+    }
+    lines.lines.push_back({LineKind::kBorder, false, begin, begin + 2});
+  }
+  const auto frame = renderer.render(cube, lines, camera, options);
+  EXPECT_TRUE(frame);
+  if (!frame) return 0.0;
+  const int from = 2 * viewport.width / 5;
+  const int to = 3 * viewport.width / 5;
+  double sum = 0.0;
+  for (int y = from; y < to; ++y) {
+    for (int x = from; x < to; ++x)
+      sum += darkness(frame->image, x, y);
+  }
+  return sum / (to - from) / (to - from);
+}
+
+TEST_P(RendererOn, VisibleLinesThatCrowdLeavePaperBetweenThem) {
+  auto renderer = makeRenderer(GetParam());
+  ASSERT_TRUE(renderer);
+  const double black = 255.0;
+  // As wide as they are where there is room.
+  const double few = toneOfLines(*renderer, 20.0F, inkAt(256));
+  EXPECT_NEAR(few / black, 2.6 / 20.0, 0.03);
+  for (const float spacing : {4.0F, 3.0F, 2.2F})
+    EXPECT_LT(toneOfLines(*renderer, spacing, inkAt(256)) / black, 0.65) << spacing;
+}
+
+TEST_P(RendererOn, ACoarsePictureThatIsEnlargedHasTheSameStrokes) {
+  auto renderer = makeRenderer(GetParam());
+  ASSERT_TRUE(renderer);
+  RenderOptions coarse = inkAt(256);
+  coarse.pixelScale = 0.5;
+  const double fine = toneOfLines(*renderer, 32.0F, inkAt(512));
+  EXPECT_NEAR(toneOfLines(*renderer, 16.0F, coarse), fine, 0.1 * fine);
+}
+
 TEST_P(RendererOn, TheDepthImageIsTheMeshsDepth) {
   auto renderer = makeRenderer(GetParam());
   ASSERT_TRUE(renderer);
