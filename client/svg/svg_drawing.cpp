@@ -244,9 +244,10 @@ std::string svgDrawing(
       bool isEmpty = true;
       for (const VisibleRun& run : runs) {
         if (run.visible != visible || spines.spines[run.spine].kind != kind.kind) continue;
+        const bool isVisible = visible || options.hiddenAsVisible;
         const LineFade& fade = fades[run.spine];
         const float strength =
-            (visible ? fade.visible : fade.hidden) * meanStrength(lines, spines, run.spine);
+            (isVisible ? fade.visible : fade.hidden) * meanStrength(lines, spines, run.spine);
         if (strength < kFaintest) continue;
         if (isEmpty) out += layerHead(kind, visible, pen, style);
         isEmpty = false;
@@ -254,7 +255,6 @@ std::string svgDrawing(
         const float usual = widthOf(kind.kind, pen, style);
         const float width =
             usual * meanWidthFactor(spines, run.spine, scene.camera, options.widthFalloff);
-        const bool isVisible = visible || options.hiddenAsVisible;
         const Crowding crowding = crowdingOf(run, isVisible, density, isVisible ? width : usual);
         const float opacity = strength * crowding.opacity;
         out += "<path";

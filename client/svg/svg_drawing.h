@@ -27,7 +27,7 @@ struct SvgOptions {
   std::string creator;  // program and version
   SvgPen visible;
   std::optional<SvgPen> hidden;  // unset: hidden lines are left out
-  bool hiddenAsVisible = false;  // hidden lines count among the visible ones where those crowd
+  bool hiddenAsVisible = false;  // hidden lines crowd and fade as visible ones do
   float widthFalloff = 0.0F;     // of both pens: StrokeBuildOptions has it
 };
 
