@@ -24,7 +24,7 @@ namespace limn::protocol {
 
 /// What the sections of stored assets hold: raised whenever a program could misread what another
 /// one wrote. Reports carry it as "asset_format", and it is part of every asset's id.
-inline constexpr int kAssetFormat = 8;
+inline constexpr int kAssetFormat = 9;
 
 /// Appends one message to a section of an asset: its length as u32 little-endian, then its bytes.
 void appendFrame(std::vector<std::uint8_t>& section, std::span<const std::uint8_t> message);

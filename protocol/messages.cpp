@@ -59,6 +59,11 @@ std::optional<Sha256Digest> digest(Bytes bytes) {
   return result;
 }
 
+/// Absent, or whole.
+bool isHash(Bytes bytes) {
+  return bytes.empty() || toSectionHash(bytes).has_value();
+}
+
 Result<Body> read(const wire::Hello& m) {
   if (!isText(view(m.client()), limits::kMaxNameBytes)) return bad("Hello.client is no short text");
   return Hello{m.version(), view(m.client())};
@@ -212,7 +217,11 @@ Result<HullInfo> readHull(const wire::HullInfo& m) {
       m.outer_finest(),
       m.inner_base(),
       m.inner_finest(),
-      view(m.reason())};
+      view(m.reason()),
+      toSectionHash(view(m.outer_hash())),
+      toSectionHash(view(m.inner_hash()))};
+  if (!isHash(view(m.outer_hash())) || !isHash(view(m.inner_hash())))
+    return bad("HullInfo has a hash that is not 16 bytes");
   if (!isText(hull.reason, limits::kMaxTextBytes)) return bad("HullInfo.reason is no text");
   if (hull.extraBits > limits::kMaxHullExtraBits) return bad("HullInfo.extra_bits");
   if (hull.outerFinest > limits::kMaxHullFaces || hull.innerFinest > limits::kMaxHullFaces)
@@ -223,10 +232,19 @@ Result<HullInfo> readHull(const wire::HullInfo& m) {
 }
 
 Result<MapInfo> readMaps(const wire::MapInfo& m) {
-  const MapInfo maps{m.faces(), m.leg(), m.normal_bytes()};
+  const MapInfo maps{
+      m.faces(),
+      m.leg(),
+      m.normal_bytes(),
+      m.color_bytes(),
+      toSectionHash(view(m.normal_hash())),
+      toSectionHash(view(m.color_hash()))};
+  if (!isHash(view(m.normal_hash())) || !isHash(view(m.color_hash())))
+    return bad("MapInfo has a hash that is not 16 bytes");
   if (maps.faces == 0 || maps.faces > limits::kMaxMapFaces) return tooLarge("MapInfo.faces");
   if (maps.leg < 2 || maps.leg > limits::kMaxMapLeg) return tooLarge("MapInfo.leg");
-  if (maps.normalBytes > limits::kMaxMapBytes) return tooLarge("MapInfo.normal_bytes");
+  if (maps.normalBytes > limits::kMaxMapBytes || maps.colorBytes > limits::kMaxMapBytes)
+    return tooLarge("the bytes of a map in MapInfo");
   return maps;
 }
 
@@ -250,6 +268,8 @@ Result<Body> read(const wire::ModelInfo& m) {
   const auto asset = digest(view(m.asset()));
   if (!asset) return bad("ModelInfo.asset is not 32 bytes");
   info.asset = *asset;
+  info.baseHash = toSectionHash(view(m.base_hash()));
+  if (!isHash(view(m.base_hash()))) return bad("ModelInfo.base_hash is not 16 bytes");
   if (!info.name.empty() && !isValidModelName(info.name)) {
     return bad("ModelInfo.name is no model name");
   }
@@ -440,6 +460,14 @@ auto bytesOf(FlatBufferBuilder& b, Bytes bytes) {
   return b.CreateVector(bytes.empty() ? &kEmpty : bytes.data(), bytes.size());
 }
 
+/// Absent where there is none.
+flatbuffers::Offset<flatbuffers::Vector<std::uint8_t>> hashOf(
+    FlatBufferBuilder& b,
+    const std::optional<SectionHash>& hash) {
+  if (!hash) return 0;
+  return bytesOf(b, *hash);
+}
+
 auto textOf(FlatBufferBuilder& b, std::string_view text) {
   return b.CreateString(text.data() == nullptr ? "" : text.data(), text.size());
 }
@@ -532,6 +560,8 @@ struct Writer {
     flatbuffers::Offset<wire::HullInfo> hull;
     if (m.hull) {
       const auto reason = m.hull->reason.empty() ? 0 : textOf(b, m.hull->reason);
+      const auto outer = hashOf(b, m.hull->outerHash);
+      const auto inner = hashOf(b, m.hull->innerHash);
       hull = wire::CreateHullInfo(
           b,
           m.hull->extraBits,
@@ -539,10 +569,24 @@ struct Writer {
           m.hull->outerFinest,
           m.hull->innerBase,
           m.hull->innerFinest,
-          reason);
+          reason,
+          outer,
+          inner);
     }
     flatbuffers::Offset<wire::MapInfo> maps;
-    if (m.maps) maps = wire::CreateMapInfo(b, m.maps->faces, m.maps->leg, m.maps->normalBytes);
+    if (m.maps) {
+      const auto normals = hashOf(b, m.maps->normalHash);
+      const auto colors = hashOf(b, m.maps->colorHash);
+      maps = wire::CreateMapInfo(
+          b,
+          m.maps->faces,
+          m.maps->leg,
+          m.maps->normalBytes,
+          m.maps->colorBytes,
+          normals,
+          colors);
+    }
+    const auto baseHash = hashOf(b, m.baseHash);
     wire::ModelInfoBuilder info(b);
     info.add_channel(m.channel);
     info.add_name(name);
@@ -561,6 +605,7 @@ struct Writer {
     if (m.maps) info.add_maps(maps);
     info.add_attributes(m.attributes);
     info.add_placement(m.placement);
+    if (m.baseHash) info.add_base_hash(baseHash);
     return info.Finish().Union();
   }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "protocol/limn_generated.h"
+#include "protocol/section_hash.h"
 
 #include "shared/core/result.h"
 #include "shared/core/sha256.h"
@@ -137,12 +138,17 @@ struct HullInfo {
   std::uint32_t innerBase = 0;
   std::uint32_t innerFinest = 0;
   std::string_view reason;  // not empty: there is none
+  std::optional<SectionHash> outerHash{};
+  std::optional<SectionHash> innerHash{};
 };
 
 struct MapInfo {
   std::uint32_t faces = 0;
   std::uint16_t leg = 0;
-  std::uint32_t normalBytes = 0;
+  std::uint32_t normalBytes = 0;  // 0: no such map
+  std::uint32_t colorBytes = 0;
+  std::optional<SectionHash> normalHash{};
+  std::optional<SectionHash> colorHash{};
 };
 
 struct ModelInfo {
@@ -165,6 +171,7 @@ struct ModelInfo {
   std::optional<MapInfo> maps;
   std::uint8_t attributes = 0;  // AttributeKind bits
   std::uint8_t placement = 0;   // Placement
+  std::optional<SectionHash> baseHash{};
 };
 
 struct Base {

@@ -2,25 +2,26 @@
 #include "client/apps/render_command.h"
 
 #include "client/apps/contour_check.h"
+#include "client/apps/contour_lines.h"
 #include "client/apps/drawing_options.h"
 #include "client/apps/dumps.h"
 #include "client/apps/interrupt.h"
 #include "client/apps/line_finder.h"
 #include "client/apps/output_file.h"
 #include "client/apps/progress_line.h"
+#include "client/apps/render_views.h"
 #include "client/apps/report.h"
+#include "client/apps/scene_command.h"
 #include "client/apps/source.h"
 #include "client/apps/svg_file.h"
 #include "client/apps/watch_session.h"
 #include "client/core/client_session.h"
-#include "client/pose/camera_file.h"
-#include "client/pose/orbit_path.h"
-#include "client/pose/recorded_path.h"
 #include "client/render/image_io.h"
 #include "client/render/image_seeds.h"
 #include "client/render/renderer.h"
 #include "client/stroke/resolved_visibility.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -29,64 +30,6 @@
 
 namespace limn {
 namespace {
-
-protocol::Goal goalOf(const StopCondition& until) {
-  if (until.kind != StopCondition::Kind::kState) return protocol::Goal::kSettled;
-  switch (until.state) {
-    case MeshState::kExact:
-      return protocol::Goal::kExact;
-    case MeshState::kComplete:
-      return protocol::Goal::kComplete;
-    default:
-      return protocol::Goal::kSettled;
-  }
-}
-
-/// One camera a frame.
-Result<CameraPath> cameras(const RenderCommandOptions& options, const ModelDescription& model) {
-  Camera first;
-  if (!options.cameraFile.empty()) {
-    auto camera = readCameraFile(options.cameraFile);
-    if (!camera) return tl::unexpected(camera.error());
-    first = *camera;
-    if (options.fovDegrees) first.fovDegrees = *options.fovDegrees;
-    first.orthographic = first.orthographic || options.orthographic;
-    fitDepthRange(model.sphere, first);
-    return CameraPath(options.frames, first);
-  }
-  CameraPath path;
-  if (!options.recordedPath.empty()) {
-    const auto recorded = readRecordedPath(options.recordedPath);
-    if (!recorded) return tl::unexpected(recorded.error());
-    const double step = durationOf(*recorded) / std::max(options.frames - 1, 1U);
-    for (std::uint32_t i = 0; i < options.frames; ++i) {
-      path.push_back(cameraAt(*recorded, i * step));
-      if (options.fovDegrees) path.back().fovDegrees = *options.fovDegrees;
-      path.back().orthographic = path.back().orthographic || options.orthographic;
-    }
-  } else {
-    const Orbit orbit = options.orbit.value_or(Orbit{});
-    const double fov = options.fovDegrees.value_or(Camera{}.fovDegrees);
-    path = orbitPath(model.sphere, orbit, fov, options.orbitPath ? options.frames : 1);
-    path.resize(options.frames, path.front());
-    for (Camera& camera : path)
-      camera.orthographic = options.orthographic;
-  }
-  for (Camera& camera : path)
-    fitDepthRange(model.sphere, camera);
-  return path;
-}
-
-ClientView
-viewOf(const RenderCommandOptions& options, const StopCondition& until, const Camera& camera) {
-  ClientView view;
-  view.camera = camera;
-  view.viewport = options.viewport;
-  view.errorPx = static_cast<float>(options.errorPx);
-  view.silhouette = wantedSilhouette(options);
-  view.goal = goalOf(until);
-  return view;
-}
 
 /// The renderer, made when it is first needed.
 class Painter {
@@ -210,8 +153,17 @@ class Drawing {
       if (!lines) return tl::unexpected(lines.error());
       found = *std::move(lines);
     }
+    // What is drawn: the client's mesh, or, for the server's lines, what stands in for it.
+    std::shared_ptr<const MeshSnapshot> drawn = outcome_.snapshot;
+    if (!findsLines && needsLines(options_.draw) && options_.draw != DrawMode::kClip) {
+      auto stage = stage_.snapshotOf(*drawn, kStageFaces);
+      if (!stage) return tl::unexpected(stage.error());
+      found.lines =
+          linesOf(drawn->contour->lines, (*stage)->model.grid.bits - drawn->model.grid.bits);
+      drawn = *std::move(stage);
+    }
     if (!options_.out.empty() || !options_.report.empty()) {
-      auto frame = painter_.draw(*outcome_.snapshot, found.lines, camera);
+      auto frame = painter_.draw(*drawn, found.lines, camera);
       if (!frame) return tl::unexpected(frame.error());
       times_.push_back(
           {found.detectMs,
@@ -338,6 +290,7 @@ class Drawing {
   std::optional<ImageSeeds> imageSeeds_;
   Painter painter_;
   SessionOutcome outcome_;
+  ContourStage stage_;
   std::optional<LineFinder> finder_;
   std::optional<LineResolver> resolver_;
   std::vector<FrameTimes> times_;
@@ -356,6 +309,7 @@ bool needsPicture(const RenderCommandOptions& options) {
 
 Result<void> runRender(const RenderCommandOptions& options) {
   watchForInterrupts();
+  if (!options.with.empty()) return runScene(options);
   auto source = openSource(options.source);
   if (!source) return tl::unexpected(source.error());
 
@@ -383,9 +337,12 @@ Result<void> runRender(const RenderCommandOptions& options) {
   if (!options.dumpHull.empty() || options.draw == DrawMode::kClip)
     sessionOptions.session.outerHullFaces = options.hullFaces;
   if (options.draw == DrawMode::kClip)
-    sessionOptions.session.maps = SessionMachine::Options::Maps::kNormals;
+    sessionOptions.session.maps = SessionMachine::Options::Maps::kWanted;
+  sessionOptions.session.cache = source->cache;
   sessionOptions.session.contours = options.contours;
   if (!options.dumpInnerHull.empty()) sessionOptions.session.innerHullFaces = options.hullFaces;
+  if (exactContours && options.draw == DrawMode::kStrokes)
+    sessionOptions.session.innerHullFaces = std::max(options.hullFaces, kStageFaces);
   sessionOptions.publishEveryMs = kNeverMs;
   if (follows) sessionOptions.session.stop.kind = StopCondition::Kind::kNever;
   ClientSession session(source->connect, sessionOptions);
@@ -394,7 +351,7 @@ Result<void> runRender(const RenderCommandOptions& options) {
   const auto model =
       watchSession(session, progress, [&](std::uint64_t ms) { return session.waitForModel(ms); });
   if (!model) return tl::unexpected(model.error());
-  const auto path = cameras(options, *model);
+  const auto path = camerasOf(options, model->sphere);
   if (!path) return tl::unexpected(path.error());
   session.setView(viewOf(options, until, path->front()));
 

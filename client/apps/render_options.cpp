@@ -35,6 +35,7 @@ Examples:
   limn-client render --mesh gears.stl --silhouette edges --style ink --svg gears.svg
   limn-client render --asset store/assets/ID --until base --dump-mesh base.ply
   limn-client view --server ws://127.0.0.1:8600
+  limn-client render --server ws://127.0.0.1:8600 --model cow --with bunny --draw clip --out two.png
   limn-client render --mesh cow.obj --path orbit --frames 36 --out 'f%04d.png'
 )";
 
@@ -56,6 +57,7 @@ struct RawFlags {
   std::string features = "crease,border,seam", hidden = "style", path, brush = "none";
   std::string assets, out, svg, light, lineColor, firstLayer = "auto";
   std::string widthUnits = "px", contours = "client";
+  std::vector<std::string> with;
   std::optional<double> fov, width, brushAmplitude, brushFrequency;
   double widthFalloff = 0.0;
   std::uint32_t brushSeed = 1;
@@ -79,14 +81,32 @@ Result<void> understandContours(const RawFlags& raw, RenderCommandOptions& optio
   if (options.source.serverUrl.empty()) {
     return wrong("--contours server needs a --server; files bring the whole mesh");
   }
-  if (options.draw != DrawMode::kClip) {
-    return wrong("--contours server is for --draw clip: other ways to draw need the mesh");
+  if (options.draw != DrawMode::kClip && options.draw != DrawMode::kStrokes) {
+    return wrong(
+        "--contours server is for --draw clip and strokes: other ways to draw need the mesh");
   }
   if (!raw.until.empty()) {
     return wrong("--contours server holds no mesh, so there is no --until to wait for");
   }
   if (options.check || !raw.svg.empty() || !options.dumpLines.empty()) {
     return wrong("--contours server finds no lines: leave out --check, --svg, --dump-lines");
+  }
+  return {};
+}
+
+/// More models than one.
+Result<void> understandScene(const RawFlags& raw, RenderCommandOptions& options) {
+  for (const std::string& text : raw.with) {
+    auto with = parseWith(text);
+    if (!with) return tl::unexpected(with.error());
+    options.with.push_back(*std::move(with));
+  }
+  if (options.with.empty()) return {};
+  if (options.with.size() > 15) return wrong("--with: a picture has 16 models at most");
+  if (options.draw != DrawMode::kClip) return wrong("--with is for --draw clip");
+  if (options.check || !options.svg.empty() || !options.dumpLines.empty() ||
+      !options.dumpMesh.empty() || !options.dumpHull.empty() || !options.dumpInnerHull.empty()) {
+    return wrong("--with draws pictures: leave out --check, --svg and --dump-…");
   }
   return {};
 }
@@ -306,6 +326,11 @@ void addRender(CLI::App& app, RenderCommandOptions& o, RawFlags& raw) {
       raw.contours,
       "client|server: silhouettes of the mesh held here, or of the whole one, found there "
       "(client)");
+  app.add_option(
+      "--with",
+      raw.with,
+      "MODEL[@X,Y,Z]: another model in the picture of --draw clip, its centre at that place "
+      "(beside the last); repeated");
   app.add_option("--hull-faces", o.hullFaces, "Faces of the hulls, or as near from below (500)")
       ->check(CLI::Range(4, 1 << 20));
   path("--dump-lines", o.dumpLines, "The lines, with visibility (JSON)");
@@ -394,6 +419,7 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
   if (auto ok = understandView(raw, options); !ok) return tl::unexpected(ok.error());
   if (auto ok = understandDrawing(raw, options); !ok) return tl::unexpected(ok.error());
   if (auto ok = understandContours(raw, options); !ok) return tl::unexpected(ok.error());
+  if (auto ok = understandScene(raw, options); !ok) return tl::unexpected(ok.error());
   if (!options.reference.empty() && !options.check) return wrong("--reference goes with --check");
   if (options.out.empty() && options.svg.empty() && options.report.empty() &&
       options.dumpMesh.empty() && options.dumpLines.empty() && options.dumpHull.empty() &&
@@ -446,7 +472,10 @@ Result<Viewport> parseSize(const std::string& text) {
   return Viewport{*width, *height};
 }
 
-Result<glm::dvec3> parseLight(const std::string& text) {
+namespace {
+
+/// X,Y,Z.
+std::optional<glm::dvec3> parsePlace(const std::string& text) {
   std::istringstream list(text);
   std::string item;
   std::vector<double> numbers;
@@ -455,10 +484,28 @@ Result<glm::dvec3> parseLight(const std::string& text) {
     if (!number || !std::isfinite(*number)) break;
     numbers.push_back(*number);
   }
-  if (numbers.size() != 3 || !list.eof() || text.back() == ',') {
-    return wrong("--light " + text + " is no place: write X,Y,Z in the model's coordinates");
-  }
+  if (numbers.size() != 3 || !list.eof() || text.back() == ',') return std::nullopt;
   return glm::dvec3(numbers[0], numbers[1], numbers[2]);
+}
+
+}  // namespace
+
+Result<glm::dvec3> parseLight(const std::string& text) {
+  if (const auto place = parsePlace(text)) return *place;
+  return wrong("--light " + text + " is no place: write X,Y,Z in the model's coordinates");
+}
+
+Result<RenderCommandOptions::With> parseWith(const std::string& text) {
+  RenderCommandOptions::With with{text, std::nullopt};
+  const std::size_t at = text.rfind('@');
+  if (at != std::string::npos && at + 1 < text.size()) {
+    with.place = parsePlace(text.substr(at + 1));
+    if (with.place) with.model = text.substr(0, at);
+  }
+  if (with.model.empty() || (at != std::string::npos && !with.place)) {
+    return wrong("--with " + text + " is no model and place: write MODEL or MODEL@X,Y,Z");
+  }
+  return with;
 }
 
 Result<FeatureChoice> parseFeatures(const std::string& text) {

@@ -31,6 +31,7 @@ struct SourceOptions {
   std::filesystem::path assetDirectory;
   std::filesystem::path meshFile;
   int quantizationBits = 14;  // of meshFile
+  std::string cache;          // of what a server sends: a directory, none, or empty: the usual one
 };
 
 /// Which feature lines are drawn.
@@ -43,6 +44,14 @@ struct FeatureChoice {
 
 struct RenderCommandOptions {
   SourceOptions source;
+
+  /// More models in the picture, from the same kind of source.
+  struct With {
+    std::string model;                // name on the server, asset directory, or mesh file
+    std::optional<glm::dvec3> place;  // of its centre, the first model's coordinates; unset: beside
+  };
+
+  std::vector<With> with;
 
   std::optional<Orbit> orbit;  // unset: cameraFile, or Orbit's defaults
   std::filesystem::path cameraFile;
@@ -117,6 +126,8 @@ struct CommandLine {
 [[nodiscard]] Result<Viewport> parseSize(const std::string& text);
 /// Parses `X,Y,Z`.
 [[nodiscard]] Result<glm::dvec3> parseLight(const std::string& text);
+/// Parses `MODEL[@X,Y,Z]`.
+[[nodiscard]] Result<RenderCommandOptions::With> parseWith(const std::string& text);
 /// Parses any choice of `crease,border,seam,suggestive,ridge,valley,intersection`, or `none`.
 [[nodiscard]] Result<FeatureChoice> parseFeatures(const std::string& text);
 /// The path of frame `index`: `%04d` (or `%d`) replaced by it. Without one: `pattern` itself.

@@ -7,10 +7,12 @@
 #include "client/apps/token.h"
 #include "client/net/asset_connection.h"
 #include "client/net/asset_files.h"
+#include "client/net/cache_directory.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -80,6 +82,22 @@ Result<Source> openMeshSource(const SourceOptions& options) {
   return source;
 }
 
+/// Where the desktop keeps what programs can get again (XDG base directories); empty: nowhere.
+std::filesystem::path usualCache() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && *cache == '/') return std::filesystem::path(cache) / "limn";
+  const char* home = std::getenv("HOME");
+  if (home == nullptr || *home == '\0') return {};
+  return std::filesystem::path(home) / ".cache/limn";
+}
+
+std::shared_ptr<SectionCache> cacheOf(const SourceOptions& options) {
+  if (options.cache == "none") return nullptr;
+  std::filesystem::path path = options.cache;
+  if (path.empty()) path = usualCache();
+  return path.empty() ? nullptr : openCacheDirectory({.path = std::move(path)});
+}
+
 }  // namespace
 
 Result<LwsConnectionOptions> serverOf(const SourceOptions& options) {
@@ -98,14 +116,18 @@ Result<Source> openAssetSource(const std::filesystem::path& directory) {
   auto files = readAssetFiles(directory);
   if (!files) return tl::unexpected(files.error());
   const auto shared = std::make_shared<const AssetFiles>(std::move(*files));
-  return Source{shared->name, [shared] { return makeAssetConnection(shared); }, false};
+  return Source{shared->name, [shared] { return makeAssetConnection(shared); }};
 }
 
 Result<Source> openSource(const SourceOptions& options) {
   if (!options.serverUrl.empty()) {
     const auto server = serverOf(options);
     if (!server) return tl::unexpected(server.error());
-    return Source{options.model, [server = *server] { return makeLwsConnection(server); }, true};
+    return Source{
+        options.model,
+        [server = *server] { return makeLwsConnection(server); },
+        true,
+        cacheOf(options)};
   }
   if (!options.assetDirectory.empty()) return openAssetSource(options.assetDirectory);
   return openMeshSource(options);

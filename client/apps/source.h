@@ -3,6 +3,7 @@
 
 #include "client/apps/render_options.h"
 #include "client/core/connection.h"
+#include "client/core/section_cache.h"
 #include "client/net/lws_connection.h"
 
 #include "shared/core/result.h"
@@ -18,6 +19,7 @@ struct Source {
   std::string model;
   ConnectionFactory connect;
   bool isServer = false;
+  std::shared_ptr<SectionCache> cache{};  // null: nothing is kept
 };
 
 /// The server that the options name, with the token read. Errors: kInvalidArgument, kNotFound.

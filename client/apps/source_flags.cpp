@@ -20,6 +20,12 @@ void addServerFlags(CLI::App& app, SourceOptions& source) {
 
 void addSourceFlags(CLI::App& app, SourceOptions& source) {
   addServerFlags(app, source);
+  app.add_option(
+         "--cache",
+         source.cache,
+         "Directory where maps that a server sent are kept, 256 MiB at most, or none "
+         "($XDG_CACHE_HOME/limn)")
+      ->group(kSourceGroup);
   app.add_option("--asset", source.assetDirectory, "Directory of a prepared asset")
       ->group(kSourceGroup);
   app.add_option("--mesh", source.meshFile, "Mesh file, prepared into a temporary store")

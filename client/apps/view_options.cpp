@@ -44,6 +44,9 @@ void ViewFlags::addTo(CLI::App& app) {
   app.add_option("--style", o.chosen.style, "Texture set")->group(kLook);
   app.add_option("--brush", o.chosen.brush, "none|charcoal|lazy|hand|rough")->group(kLook);
   app.add_option("--hidden", o.chosen.hidden, "style|off|as-visible")->group(kLook);
+  app.add_option("--hull-faces", o.chosen.hullFaces, "Faces of clip's hull (500)")
+      ->check(CLI::Range(kLeastHullFaces, kMostHullFaces))
+      ->group(kLook);
   app.add_option("--width", o.chosen.widthPx, "Stroke width, pixels")
       ->check(CLI::Range(0.1, 50.0))
       ->group(kLook);
@@ -87,6 +90,7 @@ ViewChoices chosenBy(const ViewCommandOptions& options, ViewChoices choices) {
   take(chosen.brush, choices.brush);
   take(chosen.hidden, choices.hidden);
   take(chosen.widthPx, choices.widthPx);
+  take(chosen.hullFaces, choices.hullFaces);
   take(chosen.fovDegrees, choices.fovDegrees);
   choices.orthographic = choices.orthographic || chosen.orthographic;
   return choices;

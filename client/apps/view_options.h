@@ -24,6 +24,7 @@ struct ViewCommandOptions {
   struct {
     std::optional<std::string> draw, detector, silhouette, style, brush, hidden;
     std::optional<double> widthPx, fovDegrees;
+    std::optional<int> hullFaces;
     bool orthographic = false;
   } chosen;
 

@@ -66,6 +66,7 @@ void ViewedModel::poll() {
     session.session.model = source->model;
     session.session.stop.kind = StopCondition::Kind::kNever;
     session.session.memoryBytes = options_.memoryMib << 20;
+    session.session.cache = source->cache;
     session.session.giveUpAfterMs = kNeverGiveUpMs;
     session.publishEveryMs = kPublishEveryMs;
     session_ = std::make_unique<ClientSession>(source->connect, session);

@@ -17,7 +17,11 @@ const HullDescription::Side& describe(const ModelDescription& model, protocol::H
 Result<void> HullStreams::take(const protocol::Hull& message, const ModelDescription& model) {
   if (!model.hull || !model.hull->reason.empty())
     return fail(ErrorCode::kProtocol, "a hull came for a model that has none");
-  if (of(message.side)) return fail(ErrorCode::kProtocol, "a second hull of the same side came");
+  const auto side = static_cast<std::size_t>(message.side);
+  if (decoders_[side]) return fail(ErrorCode::kProtocol, "a second hull of the same side came");
+  const auto& hash = model.hull->hashes[side];
+  if (hash && protocol::sectionHash(message.draco) != *hash)
+    return fail(ErrorCode::kCorrupt, "a hull is not what its hash says");
   Grid grid = model.grid;
   grid.step = std::ldexp(grid.step, -model.hull->extraBits);
   grid.bits += model.hull->extraBits;
@@ -26,7 +30,7 @@ Result<void> HullStreams::take(const protocol::Hull& message, const ModelDescrip
   if (!decoder) return tl::unexpected(decoder.error().within("hull"));
   if (decoder->hull().facesAfter(0) != faces)
     return fail(ErrorCode::kCorrupt, "a hull has other faces than the model's description says");
-  decoders_[static_cast<std::size_t>(message.side)] = std::move(*decoder);
+  decoders_[side] = std::move(*decoder);
   return {};
 }
 

@@ -18,8 +18,8 @@ namespace limn {
 /// Turns the Hull and HullSplits messages of one open model into its hulls. Threads: one at a time.
 class HullStreams {
  public:
-  /// Total over any bytes. Errors: kProtocol (order, or a model without hulls), kCorrupt,
-  /// kNonManifold, kLimitExceeded.
+  /// Total over any bytes. Errors: kProtocol (order, or a model without hulls), kCorrupt (also: not
+  /// what its hash says), kNonManifold, kLimitExceeded.
   [[nodiscard]] Result<void> take(const protocol::Hull& message, const ModelDescription& model);
   [[nodiscard]] Result<void> take(
       const protocol::HullSplits& message,

@@ -17,6 +17,9 @@ struct ClientView {
   float errorPx = 1.0F;
   protocol::Silhouette silhouette = protocol::Silhouette::kSmooth;
   protocol::Goal goal = protocol::Goal::kSettled;
+  /// Above 0: of so many faces an outer hull is wanted from now on, with its maps, of a model that
+  /// has one.
+  std::uint32_t hullFaces = 0;
 };
 
 /// The view as the wire carries it.

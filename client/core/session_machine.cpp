@@ -171,6 +171,11 @@ void SessionMachine::onTimer(std::uint64_t nowMs) {
 
 void SessionMachine::setView(const ClientView& view, std::uint64_t nowMs, std::size_t model) {
   Stream& stream = streams_[model];
+  if (view.hullFaces > 0) {
+    options_.outerHullFaces = view.hullFaces;
+    options_.maps = Options::Maps::kWanted;
+    if (stream.isOpen) askForHulls(stream);
+  }
   const std::uint32_t before = stream.poses.newestId();
   stream.poses.set(view);
   if (stream.poses.newestId() == before) return;
@@ -231,6 +236,8 @@ void SessionMachine::handle(
   if (std::ranges::all_of(streams_, &Stream::isOpen)) phase_ = Phase::kStreaming;
   notice_.clear();
   noteProgress(nowMs);
+  stream.hullAsked = {};
+  stream.mapAsked = {};
   askForHulls(stream);
   if (phase_ == Phase::kFailed) return;
   stream.poses.repeat();
@@ -256,6 +263,15 @@ void SessionMachine::handlePayload(
   damages_ = 0;
   noteProgress(nowMs);
   taken_ += messageBytes;
+  if constexpr (
+      std::is_same_v<Payload, protocol::Hull> || std::is_same_v<Payload, protocol::HullSplits>) {
+    askForHulls(stream);
+  }
+  if constexpr (std::is_same_v<Payload, protocol::Map>) {
+    const auto& map = stream.decoder.maps().map(message.kind);
+    const auto& hash = stream.decoder.model().mapFile(message.kind).hash;
+    if (options_.cache && map && hash) options_.cache->keep(*hash, map->png);
+  }
   if constexpr (std::is_same_v<Payload, protocol::Contour>) {
     noteContour(stream, message, nowMs);
     if (phase_ == Phase::kWaiting) return;
@@ -420,7 +436,8 @@ bool SessionMachine::contourIsThere(const Stream& stream) const {
          (stream.contourGot != 0 && stream.contourGot == stream.poses.newestId());
 }
 
-void SessionMachine::askForHulls(const Stream& stream) {
+/// Of what is wanted, what is neither there nor on its way.
+void SessionMachine::askForHulls(Stream& stream) {
   const auto ask = [&](protocol::HullSide side, std::uint32_t faces) {
     if (faces == 0 || phase_ == Phase::kFailed) return;
     const auto& hull = stream.decoder.model().hull;
@@ -430,32 +447,56 @@ void SessionMachine::askForHulls(const Stream& stream) {
            "'" + stream.model + "' has no hull" +
                (hull ? ", because " + hull->reason : ": prepare it again with this release")});
     }
-    outbox_.push_back(encodeMessage(
-        protocol::GetHull{stream.channel, side, faces, stream.decoder.hulls().held(side)}));
+    const HullStreams& hulls = stream.decoder.hulls();
+    std::uint32_t& asked = stream.hullAsked[static_cast<std::size_t>(side)];
+    const auto isThere = [&](std::uint32_t level) {
+      return hulls.isThere(side, level, stream.decoder.model());
+    };
+    // What is on its way comes first: a request says what is held.
+    if (isThere(faces) || (asked != 0 && !isThere(asked))) return;
+    asked = faces;
+    outbox_.push_back(
+        encodeMessage(protocol::GetHull{stream.channel, side, faces, hulls.held(side)}));
   };
   ask(protocol::HullSide::kOuter, options_.outerHullFaces);
   ask(protocol::HullSide::kInner, options_.innerHullFaces);
-  if (phase_ != Phase::kFailed && wantsMap(stream) && !stream.decoder.normalMap()) {
-    outbox_.push_back(encodeMessage(protocol::GetMap{
-        stream.channel,
-        protocol::MapKind::kNormals,
-        stream.decoder.mapPiecesHeld()}));
+  for (const auto kind : {protocol::MapKind::kNormals, protocol::MapKind::kColors}) {
+    if (phase_ == Phase::kFailed || !wantsMap(stream, kind)) continue;
+    const MapStreams& maps = stream.decoder.maps();
+    bool& asked = stream.mapAsked[static_cast<std::size_t>(kind)];
+    if (maps.map(kind) || asked) continue;
+    if (maps.held(kind) == 0) restoreMap(stream, kind);
+    if (maps.map(kind)) continue;
+    asked = true;
+    outbox_.push_back(encodeMessage(protocol::GetMap{stream.channel, kind, maps.held(kind)}));
   }
 }
 
 /// A map is of use to its own level only.
-bool SessionMachine::wantsMap(const Stream& stream) const {
+bool SessionMachine::wantsMap(const Stream& stream, protocol::MapKind kind) const {
   const auto& model = stream.decoder.model();
-  return options_.maps == Options::Maps::kNormals && model.maps && model.normalMapBytes > 0 &&
+  return options_.maps == Options::Maps::kWanted && model.maps && model.mapFile(kind).bytes > 0 &&
          model.maps->faces <= options_.outerHullFaces &&
          options_.outerHullFaces < model.maps->faces + 2;
+}
+
+void SessionMachine::restoreMap(Stream& stream, protocol::MapKind kind) {
+  const auto& hash = stream.decoder.model().mapFile(kind).hash;
+  if (!options_.cache || !hash) return;
+  // What is not what it should be is asked for, and kept in its place.
+  if (auto png = options_.cache->load(*hash); !png.empty())
+    static_cast<void>(stream.decoder.restoreMap(kind, std::move(png)));
 }
 
 bool SessionMachine::hullsAreThere(const Stream& stream) const {
   const auto isThere = [&](protocol::HullSide side, std::uint32_t faces) {
     return faces == 0 || stream.decoder.hulls().isThere(side, faces, stream.decoder.model());
   };
-  return stream.decoder.hasModel() && (!wantsMap(stream) || stream.decoder.normalMap()) &&
+  const auto hasMap = [&](protocol::MapKind kind) {
+    return !wantsMap(stream, kind) || stream.decoder.maps().map(kind);
+  };
+  return stream.decoder.hasModel() && hasMap(protocol::MapKind::kNormals) &&
+         hasMap(protocol::MapKind::kColors) &&
          isThere(protocol::HullSide::kOuter, options_.outerHullFaces) &&
          isThere(protocol::HullSide::kInner, options_.innerHullFaces);
 }

@@ -4,14 +4,17 @@
 #include "client/core/byte_counters.h"
 #include "client/core/eviction.h"
 #include "client/core/pose_reporter.h"
+#include "client/core/section_cache.h"
 #include "client/core/session_state.h"
 #include "client/core/stream_decoder.h"
 
 #include "shared/core/result.h"
 #include "shared/core/rng.h"
 
+#include <array>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -47,10 +50,12 @@ class SessionMachine {
     /// Faces of the hulls that are wanted, and without which no state counts; 0: none.
     std::uint32_t outerHullFaces = 0;
     std::uint32_t innerHullFaces = 0;
-    /// The map of normals over the outer hull is wanted where the model has one, and without it no
-    /// state counts. Goes with outerHullFaces.
-    enum class Maps : std::uint8_t { kOff, kNormals };
+    /// The maps over the outer hull are wanted where the model has them, and without them no state
+    /// counts. Go with outerHullFaces.
+    enum class Maps : std::uint8_t { kOff, kWanted };
     Maps maps = Maps::kOff;
+    /// Where maps are kept from session to session: what is there is not asked for. Null: nowhere.
+    std::shared_ptr<SectionCache> cache;
     /// Where silhouettes come from. kServer: of the full mesh, asked for view by view, one request
     /// at a time; views are told in no other way, so of the mesh only its start comes, and no state
     /// counts without the newest view's contour.
@@ -156,6 +161,10 @@ class SessionMachine {
     std::uint32_t contourGot = 0;
     std::uint64_t contourAskedAtMs = 0;
 
+    // On this connection.
+    std::array<std::uint32_t, 2> hullAsked{};  // faces, by HullSide
+    std::array<bool, kMapKinds> mapAsked{};
+
     // Room.
     std::uint32_t maxSplits = 0;  // 0: no limit
     Eviction eviction;
@@ -180,11 +189,12 @@ class SessionMachine {
   void sendOpen(Stream& stream);
   void sendPoseIfDue(Stream& stream, std::uint64_t nowMs);
   void makeRoom(Stream& stream, std::uint32_t missing);
-  void askForHulls(const Stream& stream);
+  void askForHulls(Stream& stream);
   void askForContour(Stream& stream, std::uint64_t nowMs);
   void noteContour(Stream& stream, const protocol::Contour& message, std::uint64_t nowMs);
   [[nodiscard]] bool contourIsThere(const Stream& stream) const;
-  [[nodiscard]] bool wantsMap(const Stream& stream) const;
+  [[nodiscard]] bool wantsMap(const Stream& stream, protocol::MapKind kind) const;
+  void restoreMap(Stream& stream, protocol::MapKind kind);
   [[nodiscard]] bool hullsAreThere(const Stream& stream) const;
   void acknowledge();
   void lose(const Error& reason, std::uint64_t nowMs, std::uint64_t retryAfterMs);

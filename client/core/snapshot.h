@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "protocol/messages.h"
+
 #include "shared/codec/contour_codec.h"
 #include "shared/core/camera.h"
 #include "shared/core/sha256.h"
@@ -10,6 +12,7 @@
 #include "shared/progressive/progressive_hull.h"
 #include "shared/silhouette/seed_table.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -29,6 +32,15 @@ struct HullDescription {
   Side inner;
   int extraBits = 0;   // their grid's step is the model's / 2^extraBits
   std::string reason;  // not empty: there are none
+  std::array<std::optional<protocol::SectionHash>, 2> hashes{};  // of Hull.draco, by side
+};
+
+inline constexpr std::size_t kMapKinds = static_cast<std::size_t>(protocol::MapKind::MAX) + 1;
+
+/// A map as it comes.
+struct MapFile {
+  std::uint32_t bytes = 0;  // 0: there is none
+  std::optional<protocol::SectionHash> hash;
 };
 
 /// What a client knows of a model before its first split (ModelInfo).
@@ -43,7 +55,12 @@ struct ModelDescription {
   std::uint8_t attributeKinds = 0;      // AttributeKind bits
   std::optional<HullDescription> hull;  // unset: the asset knows of none
   std::optional<MapLayout> maps;        // over the outer hull's level of so many faces
-  std::uint32_t normalMapBytes = 0;
+  std::array<MapFile, kMapKinds> mapFiles{};
+  std::optional<protocol::SectionHash> baseHash;
+
+  [[nodiscard]] const MapFile& mapFile(protocol::MapKind kind) const {
+    return mapFiles[static_cast<std::size_t>(kind)];
+  }
 };
 
 /// A map over a level of the outer hull, as it came.
@@ -66,6 +83,7 @@ struct MeshSnapshot {
   std::shared_ptr<const ProgressiveHull> outerHull;  // null until asked for and arrived
   std::shared_ptr<const ProgressiveHull> innerHull;
   std::shared_ptr<const HullMap> normalMap;     // null until asked for and arrived
+  std::shared_ptr<const HullMap> colorMap;      // the same; sRGB
   std::shared_ptr<const ExactContour> contour;  // the last that came; null: none was asked for
   std::uint64_t revision = 0;                   // grows with every published change
 };

@@ -31,12 +31,16 @@ ModelDescription describe(const protocol::ModelInfo& info) {
         {info.hull->outerBase, info.hull->outerFinest},
         {info.hull->innerBase, info.hull->innerFinest},
         info.hull->extraBits,
-        std::string(info.hull->reason)};
+        std::string(info.hull->reason),
+        {info.hull->outerHash, info.hull->innerHash}};
   }
   if (info.maps) {
     model.maps = MapLayout{info.maps->faces, info.maps->leg};
-    model.normalMapBytes = info.maps->normalBytes;
+    model.mapFiles = {
+        {{info.maps->normalBytes, info.maps->normalHash},
+         {info.maps->colorBytes, info.maps->colorHash}}};
   }
+  model.baseHash = info.baseHash;
   return model;
 }
 
@@ -68,6 +72,9 @@ Result<void> StreamDecoder::beginModel(const protocol::ModelInfo& info) {
 Result<void> StreamDecoder::take(const protocol::Base& message) {
   if (!model_) return fail(ErrorCode::kProtocol, "a base mesh came before the model's description");
   if (hasBase_) return fail(ErrorCode::kProtocol, "a second base mesh came");
+  if (model_->baseHash &&
+      protocol::sectionHash(message.draco, message.features) != *model_->baseHash)
+    return fail(ErrorCode::kCorrupt, "the base mesh is not what its hash says");
   auto base = decodeDraco(message.draco, levelBegin_[1], model_->faces);
   if (!base) return tl::unexpected(base.error().within("base mesh"));
   if (auto onGrid = checkOnGrid(*base, model_->grid.bits); !onGrid) {
@@ -140,20 +147,15 @@ Result<void> StreamDecoder::take(const protocol::HullSplits& message) {
 }
 
 Result<void> StreamDecoder::take(const protocol::Map& message) {
-  if (!model_ || !model_->maps || model_->normalMapBytes == 0 || normalMap_) {
-    return fail(ErrorCode::kProtocol, "a map came that the model does not have");
-  }
-  if (message.piece != mapPiecesHeld_ ||
-      mapPieces_.size() + message.png.size() > model_->normalMapBytes) {
-    return fail(ErrorCode::kProtocol, "a piece of a map that does not go on where it ended");
-  }
-  mapPieces_.insert(mapPieces_.end(), message.png.begin(), message.png.end());
-  ++mapPiecesHeld_;
-  if (mapPieces_.size() < model_->normalMapBytes) return {};
-  normalMap_ = std::make_shared<const HullMap>(HullMap{*model_->maps, std::move(mapPieces_)});
-  mapPieces_ = {};
+  if (!model_) return fail(ErrorCode::kProtocol, "a map came before the model's description");
   ++revision_;
-  return {};
+  return maps_.take(message, *model_);
+}
+
+bool StreamDecoder::restoreMap(protocol::MapKind kind, std::vector<std::uint8_t> png) {
+  if (!model_ || !maps_.restore(kind, std::move(png), *model_)) return false;
+  ++revision_;
+  return true;
 }
 
 Result<void> StreamDecoder::take(const protocol::Contour& message) {
@@ -201,9 +203,7 @@ void StreamDecoder::drop() {
   seedBytesHeld_ = 0;
   seedPieces_ = {};
   hulls_ = {};
-  mapPieces_ = {};
-  mapPiecesHeld_ = 0;
-  normalMap_.reset();
+  maps_ = {};
   contour_.reset();
   ++revision_;
 }
@@ -215,7 +215,8 @@ std::shared_ptr<const MeshSnapshot> StreamDecoder::snapshot() const {
   snapshot->seeds = seeds_;
   snapshot->outerHull = hulls_.hull(protocol::HullSide::kOuter);
   snapshot->innerHull = hulls_.hull(protocol::HullSide::kInner);
-  snapshot->normalMap = normalMap_;
+  snapshot->normalMap = maps_.map(protocol::MapKind::kNormals);
+  snapshot->colorMap = maps_.map(protocol::MapKind::kColors);
   snapshot->contour = contour_;
   snapshot->revision = revision_;
   return snapshot;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "client/core/hull_streams.h"
+#include "client/core/map_streams.h"
 #include "client/core/snapshot.h"
 
 #include "protocol/messages.h"
@@ -25,12 +26,11 @@ class StreamDecoder {
   /// asset drops everything. Errors: kCorrupt, kLimitExceeded (the split model).
   [[nodiscard]] Result<void> beginModel(const protocol::ModelInfo& info);
 
-  /// Takes Base, LevelBlock, Packet, Seeds, Hull, HullSplits, Map or Contour of this
-  /// model; no splits
-  /// before the base mesh. A split whose prerequisites are missing is an error, which also keeps
-  /// level blocks in order. Total over any bytes: after an error the mesh is still valid, with the
-  /// splits that came before the damage. Errors: kProtocol (order), kCorrupt, kNonManifold,
-  /// kLimitExceeded.
+  /// Takes Base, LevelBlock, Packet, Seeds, Hull, HullSplits, Map or Contour of this model; no
+  /// splits before the base mesh. A split whose prerequisites are missing is an error, which also
+  /// keeps level blocks in order. Total over any bytes: after an error the mesh is still valid,
+  /// with the splits that came before the damage. Errors: kProtocol (order), kCorrupt,
+  /// kNonManifold, kLimitExceeded.
   [[nodiscard]] Result<void> take(const protocol::Base& message);
   [[nodiscard]] Result<void> take(const protocol::LevelBlock& message);
   [[nodiscard]] Result<void> take(const protocol::Packet& message);
@@ -73,10 +73,10 @@ class StreamDecoder {
 
   [[nodiscard]] const HullStreams& hulls() const { return hulls_; }
 
-  /// Pieces of the map of normals held: GetMap.held.
-  [[nodiscard]] std::uint32_t mapPiecesHeld() const { return mapPiecesHeld_; }
+  [[nodiscard]] const MapStreams& maps() const { return maps_; }
 
-  [[nodiscard]] const std::shared_ptr<const HullMap>& normalMap() const { return normalMap_; }
+  /// A map that was kept from another time. False when it is not this model's.
+  [[nodiscard]] bool restoreMap(protocol::MapKind kind, std::vector<std::uint8_t> png);
 
   /// The last contour that came; null: none.
   [[nodiscard]] const std::shared_ptr<const ExactContour>& contour() const { return contour_; }
@@ -101,9 +101,7 @@ class StreamDecoder {
   std::uint32_t seedBytesHeld_ = 0;
   std::vector<std::uint8_t> seedPieces_;  // until they are whole
   HullStreams hulls_;
-  std::vector<std::uint8_t> mapPieces_;  // until they are whole
-  std::uint32_t mapPiecesHeld_ = 0;
-  std::shared_ptr<const HullMap> normalMap_;
+  MapStreams maps_;
   std::shared_ptr<const ExactContour> contour_;
   std::uint64_t revision_ = 0;
 };

@@ -52,8 +52,9 @@ class AssetConnection final : public LocalConnection {
       askForHull(*request);
     } else if (const auto* map = message->as<protocol::GetMap>()) {
       // A client only asks where ModelInfo has a map; without the section there is nothing to say.
-      for (std::size_t i = map->held; i < files_->normalMap.size(); ++i)
-        hullMessages_.push_back(&files_->normalMap[i]);
+      const auto& messages = files_->maps[static_cast<std::size_t>(map->kind)];
+      for (std::size_t i = map->held; i < messages.size(); ++i)
+        hullMessages_.push_back(&messages[i]);
     } else if (const auto* acknowledge = message->as<protocol::Acknowledge>()) {
       acknowledged_ = acknowledge->bytes;
     }

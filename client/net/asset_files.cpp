@@ -196,7 +196,8 @@ Result<AssetFiles> readAssetFiles(const std::filesystem::path& directory) {
   };
   auto read = readOptional("hull-outer", files.hulls[0]);
   if (read) read = readOptional("hull-inner", files.hulls[1]);
-  if (read) read = readOptional("map-normals", files.normalMap);
+  if (read) read = readOptional("map-normals", files.maps[0]);
+  if (read) read = readOptional("map-colors", files.maps[1]);
   if (!read) return tl::unexpected(read.error());
   return files;
 }

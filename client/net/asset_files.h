@@ -19,7 +19,7 @@ struct AssetFiles {
   std::vector<std::vector<std::uint8_t>> payload;  // Base, LevelBlocks, Seeds, Packets
   /// Of the outer and the inner hull: Hull, then HullSplits in order; empty: none.
   std::array<std::vector<std::vector<std::uint8_t>>, 2> hulls;
-  std::vector<std::vector<std::uint8_t>> normalMap;  // Maps in order; empty: none
+  std::array<std::vector<std::vector<std::uint8_t>>, 2> maps;  // by MapKind, in order; empty: none
 };
 
 /// Reads an asset directory and verifies the checksum of everything it takes from it.

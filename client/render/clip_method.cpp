@@ -57,8 +57,14 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 Result<std::unique_ptr<DrawingMethod>> ClipMethod::create(DrawTools& tools) {
+  auto method = make(tools);
+  if (!method) return tl::unexpected(method.error());
+  return std::unique_ptr<DrawingMethod>(*std::move(method));
+}
+
+Result<std::unique_ptr<ClipMethod>> ClipMethod::make(DrawTools& tools) {
   const gl::Api& api = tools.api();
-  std::unique_ptr<ClipMethod> method(new ClipMethod(tools));
+  auto method = std::make_unique<ClipMethod>(tools);
   const auto build = [&](gl::Program& program,
                          std::string_view name,
                          std::string_view vertex,
@@ -187,19 +193,20 @@ Result<void> ClipMethod::uploadHull(const DrawRequest& request) {
   return {};
 }
 
-Result<void> ClipMethod::uploadMap(const DrawRequest& request) {
-  const auto& map = request.snapshot.normalMap;
-  if (map == mapThere_) return {};
-  mapThere_ = nullptr;
-  map_ = {};
+Result<void> ClipMethod::uploadMap(
+    const std::shared_ptr<const HullMap>& map,
+    int channels,
+    MapTexture& there) const {
+  if (map == there.map) return {};
+  there = {};
   if (!map) return {};
   const int width = map->layout.width();
   const int height = map->layout.height();
-  const auto image = decodePng(map->png, {width, height, 2});
+  const auto image = decodePng(map->png, {width, height, channels});
   if (!image) return tl::unexpected(image.error());
   const gl::Api& api = tools_.api();
-  map_ = gl::makeTexture(api, gl::TexelFormat::kRgba8, {width, height});
-  gl::bindTexture(api, 0, map_);
+  there.texture = gl::makeTexture(api, gl::TexelFormat::kRgba8, {width, height});
+  gl::bindTexture(api, 0, there.texture);
   api.pixelStorei(GL_UNPACK_ALIGNMENT, 1);
   api.texSubImage2D(
       GL_TEXTURE_2D,
@@ -213,8 +220,13 @@ Result<void> ClipMethod::uploadMap(const DrawRequest& request) {
       image->rgba.data());
   api.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   api.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  mapThere_ = map;
+  there.map = map;
   return {};
+}
+
+/// Whether a map is there and of the hull's level, to which alone it belongs.
+bool ClipMethod::fits(const MapTexture& map) const {
+  return map.map && 3 * map.map->layout.faces == static_cast<std::uint32_t>(hullCorners_);
 }
 
 /// The camera with its depth range about the hull, which is larger than the model.
@@ -238,6 +250,7 @@ Camera ClipMethod::fitted(const Camera& camera) const {
   return result;
 }
 
+/// Where winding numbers say nothing.
 Result<void> ClipMethod::drawMesh(const DrawRequest& request, const gl::Target& picture) {
   const gl::Target::Options options{.size = request.fineSize(), .hasDepth = true};
   if (auto ok = tools_.fit(fine_, "the supersampled picture", options); !ok) return ok;
@@ -274,9 +287,6 @@ void ClipMethod::drawHull(
     const glm::mat4& clipFromCenter,
     const gl::Target& picture) const {
   const gl::Api& api = tools_.api();
-  // A map belongs to one level.
-  const bool isMapped =
-      mapThere_ && 3 * mapThere_->layout.faces == static_cast<std::uint32_t>(hullCorners_);
   const Camera& camera = request.camera;
   const glm::dvec3 eye = request.snapshot.model.grid.fromModel(camera.eye) - origin_;
   hullProgram_.use();
@@ -288,8 +298,11 @@ void ClipMethod::drawHull(
   hullProgram_.set("light", glm::vec4(MeshPass::lightOf(camera), 0.0F));
   hullProgram_.set("surface", MeshPass::kSurface);
   hullProgram_.set("normals", 0);
-  hullProgram_.set("mapped", isMapped ? 1.0F : 0.0F);
-  if (isMapped) gl::bindTexture(api, 0, map_);
+  hullProgram_.set("colors", 1);
+  hullProgram_.set("mapped", fits(normals_) ? 1.0F : 0.0F);
+  hullProgram_.set("painted", fits(colors_) ? 1.0F : 0.0F);
+  if (fits(normals_)) gl::bindTexture(api, 0, normals_.texture);
+  if (fits(colors_)) gl::bindTexture(api, 1, colors_.texture);
   api.enable(GL_DEPTH_TEST);
   api.depthFunc(GL_LESS);
   api.enable(GL_CULL_FACE);
@@ -307,11 +320,22 @@ void ClipMethod::drawHull(
 
 Result<void>
 ClipMethod::draw(const DrawRequest& request, const gl::Target& picture, FrameTimings& timings) {
-  if (auto ok = uploadHull(request); !ok) return ok;
-  if (auto ok = uploadMap(request); !ok) return ok;
+  const auto isDrawn = drawClipped(request, Behind::kPaper, picture, timings);
+  if (!isDrawn) return tl::unexpected(isDrawn.error());
+  return *isDrawn ? Result<void>() : drawMesh(request, picture);
+}
+
+Result<bool> ClipMethod::drawClipped(
+    const DrawRequest& request,
+    Behind behind,
+    const gl::Target& picture,
+    FrameTimings& timings) {
+  const auto failed = [](const Result<void>& result) { return tl::unexpected(result.error()); };
+  if (auto ok = uploadHull(request); !ok) return failed(ok);
+  if (auto ok = uploadMap(request.snapshot.normalMap, 2, normals_); !ok) return failed(ok);
+  if (auto ok = uploadMap(request.snapshot.colorMap, 3, colors_); !ok) return failed(ok);
   const Camera& from = request.camera;
-  if (!from.orthographic && !isOutsideConvexHull(from.eye, hullModelPoints_))
-    return drawMesh(request, picture);
+  if (!from.orthographic && !isOutsideConvexHull(from.eye, hullModelPoints_)) return false;
   const Grid& grid = request.snapshot.model.grid;
   const Camera camera = fitted(from);
   const glm::dmat4 clipFromWorld = camera.clipFromWorld(request.options.viewport.aspect());
@@ -325,48 +349,63 @@ ClipMethod::draw(const DrawRequest& request, const gl::Target& picture, FrameTim
   const auto& exact = request.snapshot.contour;
   const auto contours =
       exact ? clipContoursOf(exact->lines, screen) : clipContoursOf(request.lines, screen);
-  if (!contours) return drawMesh(request, picture);
+  if (!contours) return false;
   const auto partly = coverage_.find(*contours, request.options.viewport);
-  timings.strokeMs = millisecondsSince(start);
+  timings.strokeMs += millisecondsSince(start);
 
   start = std::chrono::steady_clock::now();
   const gl::Api& api = tools_.api();
+  const bool isPaper = behind == Behind::kPaper;
+  const glm::vec2 size(picture.size().width, picture.size().height);
+  const auto pixelCount = static_cast<GLsizei>(partly.size());
+  pixelProgram_.use();
+  pixelProgram_.set("size", size);
+  pixelProgram_.set("paper", request.paper);
+  pixelProgram_.set("picture", 0);
+  pixelProgram_.set("isPaper", isPaper ? 1.0F : 0.0F);
+  api.bindVertexArray(pixelArray_.id());
+  fill(api, GL_ARRAY_BUFFER, pixels_, partly);
+  if (!isPaper) {
+    const gl::Target::Options options{.size = picture.size(), .color = gl::TexelFormat::kRgba8};
+    if (auto ok = tools_.fit(behind_, "what is behind a model", options); !ok) return failed(ok);
+    behind_.bind();
+    gl::bindTexture(api, 0, picture.color());
+    drawPixels(pixelCount);
+    gl::bindTexture(api, 0, behind_.color());
+  }
   picture.bind();
-  const glm::vec3& paper = request.paper;
-  api.clearColor(paper.x, paper.y, paper.z, 1.0F);
+  api.clearColor(request.paper.x, request.paper.y, request.paper.z, 1.0F);
   api.clearDepthf(1.0F);
   api.clearStencil(kStencilZero);
-  api.clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-  const glm::vec2 size(picture.size().width, picture.size().height);
+  api.clear(
+      (isPaper ? GL_COLOR_BUFFER_BIT : 0U) | static_cast<GLbitfield>(GL_DEPTH_BUFFER_BIT) |
+      static_cast<GLbitfield>(GL_STENCIL_BUFFER_BIT));
   api.enable(GL_STENCIL_TEST);
   api.colorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   stencilProgram_.use();
   stencilProgram_.set("size", size);
   setStencil(*contours);
   pixelProgram_.use();
-  pixelProgram_.set("size", size);
-  pixelProgram_.set("paper", paper);
-  api.bindVertexArray(pixelArray_.id());
-  fill(api, GL_ARRAY_BUFFER, pixels_, partly);
   api.stencilFunc(GL_ALWAYS, kPartly, 0xFF);
   api.stencilOpSeparate(GL_FRONT_AND_BACK, GL_KEEP, GL_KEEP, GL_REPLACE);
-  drawPixels(static_cast<GLsizei>(partly.size()));
+  drawPixels(pixelCount);
   api.finish();
-  timings.visibilityMs = millisecondsSince(start);
+  timings.visibilityMs += millisecondsSince(start);
 
   api.colorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   api.stencilOpSeparate(GL_FRONT_AND_BACK, GL_KEEP, GL_KEEP, GL_KEEP);
   drawHull(request, glm::mat4(clipFrom(request.snapshot.model.sphere.center)), picture);
   api.disable(GL_STENCIL_TEST);
   pixelProgram_.use();
+  if (!isPaper) gl::bindTexture(api, 0, behind_.color());
   api.colorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
   api.enable(GL_BLEND);
   api.blendEquation(GL_FUNC_ADD);
   api.blendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  drawPixels(static_cast<GLsizei>(partly.size()));
+  drawPixels(pixelCount);
   api.disable(GL_BLEND);
   api.colorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  return {};
+  return true;
 }
 
 }  // namespace limn

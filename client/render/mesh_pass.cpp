@@ -139,7 +139,8 @@ void MeshPass::drawShaded(
   api_->clearColor(background.x, background.y, background.z, 1.0F);
   api_->clearDepthf(1.0F);
   api_->depthMask(GL_TRUE);
-  api_->clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  if (shading.over == Shading::Over::kBackground)
+    api_->clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   shadedProgram_.use();
   glm::vec4 light(lightOf(camera), 0.0F);
   if (shading.light) {

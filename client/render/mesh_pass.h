@@ -8,6 +8,7 @@
 #include "shared/gl/program.h"
 #include "shared/gl/target.h"
 
+#include <cstdint>
 #include <optional>
 
 namespace limn {
@@ -32,6 +33,8 @@ class MeshPass {
       const;
 
   struct Shading {
+    enum class Over : std::uint8_t { kBackground, kPicture };  // kPicture: nothing is cleared
+    Over over = Over::kBackground;
     glm::vec3 background{1.0F};
     std::optional<glm::dvec3> light = std::nullopt;  // a place, model coordinates; unset: above
                                                      // the viewer's left shoulder

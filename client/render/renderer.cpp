@@ -2,6 +2,7 @@
 #include "client/render/renderer.h"
 
 #include "client/render/assets.h"
+#include "client/render/clip_method.h"
 #include "client/render/draw_tools.h"
 #include "client/render/drawing_method.h"
 #include "client/render/shaders/shaders.h"
@@ -18,6 +19,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace limn {
 namespace {
@@ -25,6 +27,7 @@ namespace {
 /// Supersampled pixels of a frame, at most: depth and ink together are six bytes each.
 constexpr std::int64_t kMaxPixels = std::int64_t{64} << 20;
 constexpr int kMaxSide = 16384;
+constexpr std::size_t kMostObjects = 16;  // a connection has as many channels
 
 double millisecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
@@ -39,8 +42,10 @@ struct Renderer::Impl {
   StyleStore styles;
   std::optional<DrawTools> tools;
   std::map<DrawMode, std::unique_ptr<DrawingMethod>> methods;  // those asked for so far
+  std::vector<std::unique_ptr<ClipMethod>> clipMethods;        // of scenes, one a model
   gl::Program depthBitsProgram;
   gl::Target pictureTarget;
+  gl::Target fineTarget;  // of scenes
   gl::Target bitsTarget;  // kR32ui
 
   Impl(std::unique_ptr<GlContext> glContext, std::filesystem::path assets)
@@ -137,18 +142,29 @@ struct Renderer::Impl {
     return image;
   }
 
+  /// What a frame's options come to.
+  struct Setup {
+    const LoadedStyle* style = nullptr;
+    glm::vec3 paper{1.0F};
+    int supersample = 1;
+  };
+
+  /// Checks the options, makes the context current and the picture as large as they say.
+  Result<Setup> begin(const RenderOptions& options);
+  Result<void> checkGl();
   Result<Frame> render(
       const MeshSnapshot& snapshot,
       const PolylineSet& lines,
       const Camera& camera,
       const RenderOptions& options);
+  Result<Frame> renderScene(
+      std::span<const SceneObject> objects,
+      const Camera& camera,
+      const RenderOptions& options);
+  Result<void> drawMeshes(std::span<const DrawRequest> requests);
 };
 
-Result<Frame> Renderer::Impl::render(
-    const MeshSnapshot& snapshot,
-    const PolylineSet& lines,
-    const Camera& camera,
-    const RenderOptions& options) {
+Result<Renderer::Impl::Setup> Renderer::Impl::begin(const RenderOptions& options) {
   const Viewport& viewport = options.viewport;
   if (viewport.width < 1 || viewport.height < 1 || viewport.width > kMaxSide ||
       viewport.height > kMaxSide) {
@@ -180,14 +196,36 @@ Result<Frame> Renderer::Impl::render(
   };
   while (factor > 1 && tooLarge(factor))
     --factor;
-  const DrawRequest request{
-      snapshot,
-      lines,
-      camera,
-      options,
-      **loaded,
-      options.paper.value_or((*loaded)->style.paper),
-      factor};
+  const gl::Target::Options picture{
+      .size = {viewport.width, viewport.height},
+      .color = gl::TexelFormat::kRgba8,
+      .hasStencil =
+          options.draw == DrawMode::kClip || (options.draw == DrawMode::kShaded && factor == 1)};
+  if (auto ok = tools->fit(pictureTarget, "the picture", picture); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  return Setup{*loaded, options.paper.value_or((*loaded)->style.paper), factor};
+}
+
+Result<void> Renderer::Impl::checkGl() {
+  if (const GLenum error = api().getError(); error != GL_NO_ERROR) {
+    return fail(
+        ErrorCode::kUnavailable,
+        "GL error " + std::to_string(error) + " while drawing with " + description.renderer +
+            ": try the other --gl backend or a smaller --size");
+  }
+  return {};
+}
+
+Result<Frame> Renderer::Impl::render(
+    const MeshSnapshot& snapshot,
+    const PolylineSet& lines,
+    const Camera& camera,
+    const RenderOptions& options) {
+  const auto setup = begin(options);
+  if (!setup) return tl::unexpected(setup.error());
+  const DrawRequest
+      request{snapshot, lines, camera, options, *setup->style, setup->paper, setup->supersample};
   const auto drawing = method(options.draw);
   if (!drawing) return tl::unexpected(drawing.error());
 
@@ -197,14 +235,6 @@ Result<Frame> Renderer::Impl::render(
   if (tools->begin(snapshot)) {
     api().finish();
     timings.uploadMs = millisecondsSince(start);
-  }
-  const gl::Target::Options picture{
-      .size = {viewport.width, viewport.height},
-      .color = gl::TexelFormat::kRgba8,
-      .hasStencil =
-          options.draw == DrawMode::kClip || (options.draw == DrawMode::kShaded && factor == 1)};
-  if (auto ok = tools->fit(pictureTarget, "the picture", picture); !ok) {
-    return tl::unexpected(ok.error());
   }
   start = std::chrono::steady_clock::now();
   if (auto ok = (*drawing)->draw(request, pictureTarget, timings); !ok) {
@@ -217,13 +247,74 @@ Result<Frame> Renderer::Impl::render(
     if (!depth) return tl::unexpected(depth.error());
     frame.depth = *std::move(depth);
   }
-  if (const GLenum error = api().getError(); error != GL_NO_ERROR) {
-    return fail(
-        ErrorCode::kUnavailable,
-        "GL error " + std::to_string(error) + " while drawing with " + description.renderer +
-            ": try the other --gl backend or a smaller --size");
-  }
+  if (auto ok = checkGl(); !ok) return tl::unexpected(ok.error());
   return frame;
+}
+
+Result<Frame> Renderer::Impl::renderScene(
+    std::span<const SceneObject> objects,
+    const Camera& camera,
+    const RenderOptions& options) {
+  if (options.draw != DrawMode::kClip || objects.empty() || objects.size() > kMostObjects) {
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "a scene is of 1 to " + std::to_string(kMostObjects) + " models, drawn by clip");
+  }
+  const auto setup = begin(options);
+  if (!setup) return tl::unexpected(setup.error());
+  while (clipMethods.size() < objects.size()) {
+    auto made = ClipMethod::make(*tools);
+    if (!made) return tl::unexpected(made.error());
+    clipMethods.push_back(*std::move(made));
+  }
+  std::vector<BoundingSphere> spheres;
+  std::vector<Camera> cameras;
+  for (const SceneObject& object : objects) {
+    spheres.push_back(sphereOf(object));
+    cameras.push_back(seenFrom(camera, object.place));
+  }
+  std::vector<DrawRequest> requests;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    requests.push_back(
+        {objects[i].snapshot,
+         objects[i].lines,
+         cameras[i],
+         options,
+         *setup->style,
+         setup->paper,
+         setup->supersample});
+  }
+  Frame frame;
+  const auto start = std::chrono::steady_clock::now();
+  auto behind = ClipMethod::Behind::kPaper;
+  for (const std::size_t i : farToNear(spheres, camera)) {
+    const auto isDrawn =
+        clipMethods[i]->drawClipped(requests[i], behind, pictureTarget, frame.timings);
+    if (!isDrawn) return tl::unexpected(isDrawn.error());
+    behind = ClipMethod::Behind::kPicture;
+    if (*isDrawn) continue;
+    if (auto ok = drawMeshes(requests); !ok) return tl::unexpected(ok.error());
+    break;
+  }
+  frame.image = readPicture();
+  frame.timings.drawMs =
+      millisecondsSince(start) - frame.timings.strokeMs - frame.timings.visibilityMs;
+  if (auto ok = checkGl(); !ok) return tl::unexpected(ok.error());
+  return frame;
+}
+
+/// Where the eye is inside of one of them: all, with one depth buffer.
+Result<void> Renderer::Impl::drawMeshes(std::span<const DrawRequest> requests) {
+  const gl::Target::Options fine{.size = requests.front().fineSize(), .hasDepth = true};
+  if (auto ok = tools->fit(fineTarget, "the supersampled picture", fine); !ok) return ok;
+  for (const DrawRequest& request : requests) {
+    tools->begin(request.snapshot);
+    MeshPass::Shading shading{.background = request.paper};
+    if (&request != &requests.front()) shading.over = MeshPass::Shading::Over::kPicture;
+    tools->mesh().drawShaded(request.snapshot, request.camera, fineTarget, shading);
+  }
+  tools->reduce(fineTarget.color(), requests.front().supersample, pictureTarget);
+  return {};
 }
 
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -257,6 +348,13 @@ Result<Frame> Renderer::render(
     const Camera& camera,
     const RenderOptions& options) {
   return impl_->render(snapshot, lines, camera, options);
+}
+
+Result<Frame> Renderer::renderScene(
+    std::span<const SceneObject> objects,
+    const Camera& camera,
+    const RenderOptions& options) {
+  return impl_->renderScene(objects, camera, options);
 }
 
 const GlDescription& Renderer::gl() const {

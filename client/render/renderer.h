@@ -5,6 +5,7 @@
 #include "client/render/draw_options.h"
 #include "client/render/gl_context.h"
 #include "client/render/image.h"
+#include "client/render/scene.h"
 #include "client/stroke/depth_image.h"
 #include "client/stroke/polyline.h"
 
@@ -14,6 +15,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 namespace limn {
@@ -59,6 +61,15 @@ class Renderer {
   [[nodiscard]] Result<Frame> render(
       const MeshSnapshot& snapshot,
       const PolylineSet& lines,
+      const Camera& camera,
+      const RenderOptions& options);
+
+  /// Several models by silhouette clipping (options.draw: kClip), each over those behind it
+  /// [Sander00 §3]. camera: of the scene, its depth range fitted to all of it. Where the eye is
+  /// inside of a hull, all are drawn as meshes. Models whose spheres meet may be drawn in the wrong
+  /// order. Errors: also kInvalidArgument (no model, or more than 16).
+  [[nodiscard]] Result<Frame> renderScene(
+      std::span<const SceneObject> objects,
       const Camera& camera,
       const RenderOptions& options);
 

@@ -123,7 +123,11 @@ SegmentJudge::judge(const PolylineSet::Line& line, std::uint32_t point, std::uin
   const HalfEdgeId h = lines_.halfEdges[point];
   const FaceId face = h != kNone ? HalfEdgeMesh::face(h) : lines_.faces[point];
   facts.bias = static_cast<float>(floor_);
-  if (face == kNone || face >= scene_.mesh.faceCount()) return facts;
+  if (face == kNone || face >= scene_.mesh.faceCount()) {
+    // An outline of a mesh that is not here: the front side is to its left.
+    if (isSilhouette) facts.openSide = 1.0F;
+    return facts;
+  }
   if (isSilhouette && h == kNone) return judgeSmooth(face, point, next);
   if (h == kNone) {
     facts.bias = slopeBias(face, kReachPx);

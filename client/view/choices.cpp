@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <string>
 #include <type_traits>
 
 namespace limn {
@@ -23,6 +24,7 @@ void visitMembers(Memory& memory, Visit visit) {
   visit("style", c.style);
   visit("brush", c.brush);
   visit("hidden", c.hidden);
+  visit("hull_faces", c.hullFaces);
   visit("width_px", c.widthPx);
   visit("texture_size", c.textureSize);
   visit("orthographic", c.orthographic);
@@ -53,25 +55,16 @@ std::string number(double value) {
 }  // namespace
 
 std::vector<std::string> flagsOf(const ViewChoices& choices) {
-  std::vector<std::string> flags = {
-      "--draw",
-      choices.draw,
-      "--detector",
-      choices.detector,
-      "--silhouette",
-      choices.silhouette,
-      "--features",
-      choices.features,
-      "--style",
-      choices.style,
-      "--brush",
-      choices.brush,
-      "--hidden",
-      choices.hidden,
-      "--fov",
-      number(choices.fovDegrees),
-      "--texture-size",
-      number(choices.textureSize)};
+  std::vector<std::string> flags = {"--draw",         choices.draw,
+                                    "--detector",     choices.detector,
+                                    "--silhouette",   choices.silhouette,
+                                    "--features",     choices.features,
+                                    "--style",        choices.style,
+                                    "--brush",        choices.brush,
+                                    "--hidden",       choices.hidden,
+                                    "--hull-faces",   std::to_string(choices.hullFaces),
+                                    "--fov",          number(choices.fovDegrees),
+                                    "--texture-size", number(choices.textureSize)};
   if (choices.widthPx > 0.0) flags.insert(flags.end(), {"--width", number(choices.widthPx)});
   if (choices.orthographic) flags.emplace_back("--ortho");
   return flags;
@@ -121,6 +114,7 @@ ViewMemory viewMemoryFromJson(std::string_view text) {
   ViewChoices& choices = memory.choices;
   choices.fovDegrees = std::clamp(choices.fovDegrees, 5.0, 120.0);
   choices.widthPx = std::clamp(choices.widthPx, 0.0, 50.0);
+  choices.hullFaces = std::clamp(choices.hullFaces, kLeastHullFaces, kMostHullFaces);
   choices.textureSize = std::clamp(choices.textureSize, 0.1, 10.0);
   memory.width = std::clamp(memory.width, 320, 8192);
   memory.height = std::clamp(memory.height, 240, 8192);

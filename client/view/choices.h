@@ -17,6 +17,7 @@ struct ViewChoices {
   std::string style = "pencil";
   std::string brush = "none";
   std::string hidden = "style";
+  int hullFaces = 500;   // of clip
   double widthPx = 0.0;  // 0: the style's own
   double textureSize = 1.0;
   bool orthographic = false;
@@ -30,6 +31,10 @@ struct ViewChoices {
 
   friend bool operator==(const ViewChoices&, const ViewChoices&) = default;
 };
+
+/// Of ViewChoices::hullFaces.
+inline constexpr int kLeastHullFaces = 100;
+inline constexpr int kMostHullFaces = 20'000;
 
 /// The flags that draw it so; --light is not among them, since it is a place in the model.
 [[nodiscard]] std::vector<std::string> flagsOf(const ViewChoices& choices);

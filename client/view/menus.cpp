@@ -181,6 +181,15 @@ void showChoices(const MenuFacts& facts, ViewChoices& c) {
   }
   if (ImGui::CollapsingHeader("Method")) {
     combo("drawing", drawMethods(), c.draw);
+    if (c.draw == nameOf(DrawMode::kClip)) {
+      ImGui::SliderInt(
+          "hull faces",
+          &c.hullFaces,
+          kLeastHullFaces,
+          kMostHullFaces,
+          "%d",
+          ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+    }
     combo("detector", detectors(), c.detector);
     ImGui::Checkbox("as a light sees it", &c.hasLight);
     if (c.hasLight) {

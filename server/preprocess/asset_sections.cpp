@@ -53,6 +53,7 @@ WireSections encodeWireSections(
   const BoundingSphere sphere = boundingSphere(forest.grid, forest.positions);
   const std::uint32_t blockLevels = chooseBlockLevels(forest);
 
+  const std::vector<std::uint8_t> features = protocol::packBaseFeatures(forest.baseFeatures);
   WireSections sections;
   protocol::appendFrame(
       sections.info,
@@ -73,9 +74,9 @@ WireSections encodeWireSections(
           .hull = identity.hull,
           .maps = identity.maps,
           .attributes = forest.attributeKinds(),
-          .placement = static_cast<std::uint8_t>(forest.placement())}));
+          .placement = static_cast<std::uint8_t>(forest.placement()),
+          .baseHash = protocol::sectionHash(built.baseDraco, features)}));
 
-  const std::vector<std::uint8_t> features = protocol::packBaseFeatures(forest.baseFeatures);
   const auto base =
       protocol::encodeMessage(protocol::Base{.draco = built.baseDraco, .features = features});
   protocol::appendFrame(sections.base, base);

@@ -8,21 +8,26 @@
 namespace limn {
 namespace {
 
-Result<std::vector<std::uint8_t>> encodeSide(const ProgressiveHull& hull, protocol::HullSide side) {
+struct Side {
+  std::vector<std::uint8_t> section;
+  protocol::SectionHash hash{};
+};
+
+Result<Side> encodeSide(const ProgressiveHull& hull, protocol::HullSide side) {
   const auto encoded = encodeHull(hull);
   if (!encoded) return tl::unexpected(encoded.error());
-  std::vector<std::uint8_t> section;
+  Side made{.section = {}, .hash = protocol::sectionHash(encoded->base)};
   protocol::appendFrame(
-      section,
+      made.section,
       protocol::encodeMessage(protocol::Hull{.side = side, .draco = encoded->base}));
   std::uint32_t piece = 0;
   for (const auto& splits : encoded->pieces) {
     protocol::appendFrame(
-        section,
+        made.section,
         protocol::encodeMessage(
             protocol::HullSplits{.side = side, .piece = piece++, .splits = splits}));
   }
-  return section;
+  return made;
 }
 
 }  // namespace
@@ -36,8 +41,10 @@ std::unique_ptr<const HullSections> encodeHullSections(const Hulls& hulls) {
     auto outerBytes = encodeSide(outer, protocol::HullSide::kOuter);
     auto innerBytes = encodeSide(inner, protocol::HullSide::kInner);
     if (outerBytes && innerBytes) {
-      sections->outer = std::move(*outerBytes);
-      sections->inner = std::move(*innerBytes);
+      sections->outer = std::move(outerBytes->section);
+      sections->inner = std::move(innerBytes->section);
+      sections->info.outerHash = outerBytes->hash;
+      sections->info.innerHash = innerBytes->hash;
       sections->info.extraBits = static_cast<std::uint8_t>(hulls.extraBits);
       sections->info.outerBase = outer.facesAfter(0);
       sections->info.outerFinest = outer.facesAfter(outer.splits.size());

@@ -47,31 +47,56 @@ decodedLevel(const HullSections& hulls, const Grid& modelGrid, std::uint32_t fac
   return hullAfter(decoder->hull(), decoder->hull().splitsFor(faces));
 }
 
+/// A PNG in pieces. Empty: it has no right to be streamed.
+struct Pieces {
+  std::vector<std::uint8_t> section;
+  std::uint32_t bytes = 0;  // of the PNG
+  std::optional<protocol::SectionHash> hash;
+};
+
+Pieces piecesOf(protocol::MapKind kind, const std::vector<std::uint8_t>& png) {
+  Pieces pieces;
+  if (png.empty() || png.size() > limits::kMaxMapBytes) return pieces;
+  std::uint32_t piece = 0;
+  for (std::size_t at = 0; at < png.size(); at += kPieceBytes) {
+    const auto bytes = std::span(png).subspan(at, std::min(kPieceBytes, png.size() - at));
+    protocol::appendFrame(
+        pieces.section,
+        protocol::encodeMessage(protocol::Map{0, kind, piece++, bytes}));
+  }
+  pieces.bytes = static_cast<std::uint32_t>(png.size());
+  pieces.hash = protocol::sectionHash(png);
+  return pieces;
+}
+
 }  // namespace
 
 MapSections encodeMapSections(
     const TriangleMesh& mesh,
     const HullSections& hulls,
     std::uint32_t faces,
-    const NormalMapOptions& options) {
+    const MapOptions& options) {
   MapSections sections;
   if (hulls.outer.empty()) return sections;
   const auto level = decodedLevel(hulls, mesh.grid, std::min(faces, limits::kMaxMapFaces));
   if (!level || level->triangles.size() > limits::kMaxMapFaces) return sections;
-  const NormalMap map = shootNormals(mesh, *level, options);
-  const auto png = encodePng(map.layout.width(), map.layout.height(), 2, map.codes);
-  if (png.empty() || png.size() > limits::kMaxMapBytes) return sections;
-  std::uint32_t piece = 0;
-  for (std::size_t at = 0; at < png.size(); at += kPieceBytes) {
-    const auto bytes = std::span(png).subspan(at, std::min(kPieceBytes, png.size() - at));
-    protocol::appendFrame(
-        sections.normals,
-        protocol::encodeMessage(protocol::Map{0, protocol::MapKind::kNormals, piece++, bytes}));
-  }
+  const HullMaps maps = shootMaps(mesh, *level, options);
+  const int width = maps.layout.width();
+  const int height = maps.layout.height();
+  Pieces normals = piecesOf(protocol::MapKind::kNormals, encodePng(width, height, 2, maps.normals));
+  if (normals.bytes == 0) return sections;
+  Pieces colors;
+  if (!maps.colors.empty())
+    colors = piecesOf(protocol::MapKind::kColors, encodePng(width, height, 3, maps.colors));
+  sections.normals = std::move(normals.section);
+  sections.colors = std::move(colors.section);
   sections.info = protocol::MapInfo{
-      map.layout.faces,
-      static_cast<std::uint16_t>(map.layout.leg),
-      static_cast<std::uint32_t>(png.size())};
+      maps.layout.faces,
+      static_cast<std::uint16_t>(maps.layout.leg),
+      normals.bytes,
+      colors.bytes,
+      normals.hash,
+      colors.hash};
   return sections;
 }
 

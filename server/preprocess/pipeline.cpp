@@ -28,7 +28,7 @@ using Json = nlohmann::ordered_json;
 
 // Part of every asset's id, with protocol::kAssetFormat: raised when preparation gives other bytes,
 // of the same format, for the same input.
-constexpr char kPreparationVersion[] = "limn-asset-8";
+constexpr char kPreparationVersion[] = "limn-asset-9";
 
 class Stopwatch {
  public:
@@ -176,7 +176,7 @@ Json makeReport(
   const std::uint64_t seeds = wireBytes(sections.seeds);
   const std::uint64_t hullOuter = wireBytes(hullSections.outer);
   const std::uint64_t hullInner = wireBytes(hullSections.inner);
-  const std::uint64_t maps = wireBytes(mapSections.normals);
+  const std::uint64_t maps = wireBytes(mapSections.normals) + wireBytes(mapSections.colors);
   json["bytes"] = {
       {"base", base},
       {"level_blocks", blocks},
@@ -280,10 +280,11 @@ Result<void> writeAsset(
       {sections::kHullOuter, hulls.outer},
       {sections::kHullInner, hulls.inner},
       {sections::kMapNormals, maps.normals},
+      {sections::kMapColors, maps.colors},
       {sections::kForest, forestBytes}};
   for (const auto& [section, bytes] : parts) {
     const bool mayBeAbsent = section == sections::kHullOuter || section == sections::kHullInner ||
-                             section == sections::kMapNormals;
+                             section == sections::kMapNormals || section == sections::kMapColors;
     if (bytes.empty() && mayBeAbsent) continue;
     if (auto added = (*writer)->addSection(section, bytes); !added) return added;
   }

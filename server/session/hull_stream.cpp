@@ -34,7 +34,7 @@ Result<void> HullStream::request(const protocol::GetMap& request, const Model& m
   if (request.held > messages.size()) {
     return fail(ErrorCode::kProtocol, "a GetMap holds more than the map has");
   }
-  parts_[kMapPart] = {request.held, messages.size()};
+  parts_[kFirstMap + static_cast<std::size_t>(request.kind)] = {request.held, messages.size()};
   return {};
 }
 
@@ -45,8 +45,9 @@ std::size_t HullStream::pending() const {
 
 protocol::Bytes HullStream::next(const Model& model) const {
   const std::size_t part = pending();
-  const auto& messages = part == kMapPart ? model.map(protocol::MapKind::kNormals)
-                                          : model.hull(static_cast<protocol::HullSide>(part));
+  const auto& messages = part >= kFirstMap
+                             ? model.map(static_cast<protocol::MapKind>(part - kFirstMap))
+                             : model.hull(static_cast<protocol::HullSide>(part));
   return messages[parts_[part].next];
 }
 

@@ -35,12 +35,12 @@ class HullStream {
     std::size_t end = 0;
   };
 
-  static constexpr std::size_t kMapPart = 2;
+  static constexpr std::size_t kFirstMap = 2;
 
   /// The first part with something to send; their number: none has.
   [[nodiscard]] std::size_t pending() const;
 
-  std::array<Part, 3> parts_;  // by HullSide; the map of normals
+  std::array<Part, 4> parts_;  // by HullSide, then by MapKind
 };
 
 }  // namespace limn

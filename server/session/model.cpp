@@ -119,10 +119,13 @@ Result<std::shared_ptr<const Model>> Model::load(std::shared_ptr<const Asset> as
     if (!hull) return corrupt(hull.error().message);
     model->hulls_[static_cast<std::size_t>(side)] = std::move(*hull);
   }
-  if (source.section(sections::kMapNormals)) {
-    auto map = messagesOf<protocol::Map>(source, sections::kMapNormals);
+  for (const auto& [name, kind] :
+       {std::pair(sections::kMapNormals, protocol::MapKind::kNormals),
+        std::pair(sections::kMapColors, protocol::MapKind::kColors)}) {
+    if (!source.section(name)) continue;
+    auto map = messagesOf<protocol::Map>(source, name);
     if (!map) return tl::unexpected(map.error().within(where));
-    model->maps_[0] = std::move(*map);
+    model->maps_[static_cast<std::size_t>(kind)] = std::move(*map);
   }
   const auto bytes = source.section(sections::kForest);
   if (!bytes) return tl::unexpected(bytes.error().within(where));

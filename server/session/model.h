@@ -101,7 +101,7 @@ class Model {
   std::vector<protocol::Message> runMessages_;
   std::vector<Run> runs_;  // of runMessages_
   std::array<std::vector<protocol::Bytes>, 2> hulls_;
-  std::array<std::vector<protocol::Bytes>, 1> maps_;
+  std::array<std::vector<protocol::Bytes>, 2> maps_;  // by MapKind
   protocol::Message seedsMessage_;
   protocol::Bytes seeds_;  // of seedsMessage_
   mutable std::mutex mutex_;

@@ -26,6 +26,7 @@ inline constexpr char kSeeds[] = "seeds";           // one Seeds
 inline constexpr char kHullOuter[] = "hull-outer";  // one Hull, then HullSplits in order
 inline constexpr char kHullInner[] = "hull-inner";  // the same
 inline constexpr char kMapNormals[] = "map-normals";  // Maps in order
+inline constexpr char kMapColors[] = "map-colors";    // the same
 inline constexpr char kForest[] = "forest";           // serializeForest(): server only
 }  // namespace sections
 

@@ -8,6 +8,10 @@
 
 namespace limn {
 
+/// Largest value of a channel in a map of colours, for sRGB 255: six bits, which linear
+/// interpolation smoothes.
+inline constexpr int kMapColorSteps = 63;
+
 /// Where the faces of a hull level have their tiles in a map: right triangles, two in a square cell
 /// (protocol/SPEC.md, "Hull maps"; [Sander00 §4]).
 struct MapLayout {

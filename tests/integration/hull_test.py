@@ -2,9 +2,13 @@
 """Hulls arrive as they were prepared, and hold the mesh."""
 
 import json
+import pathlib
+import sys
 import unittest
 
-from harness import Case, Server, hills, read_ply, run, torus
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import png
+from harness import Case, Server, hills, read_ply, run, torus, write_painted
 
 
 def volume(mesh):
@@ -46,6 +50,51 @@ class Hulls(Case):
                     said = prepared["hull"]["outer"]
                     self.assertEqual(said["faces"], 500)
                     self.assertAlmostEqual(said["volume"] / prepared["hull"]["mesh_volume"], last / whole, places=6)
+
+    def test_maps_come_once_and_are_kept_by_what_they_are(self):
+        shape = torus(48, 24)
+        for name in ("painted", "twin"):
+            self.prepare(write_painted(self.folder / (name + ".ply"), shape), name)
+        cache = self.folder / "cache"
+
+        def maps_of(name, cache=cache):
+            report = self.folder / "clip.json"
+            out = self.folder / "clip.png"
+            run("limn-client", "render", "--server", server.url, "--model", name, "--draw", "clip", "--size", "64x64",
+                "--cache", cache, "--report", report, "--out", out)
+            read = json.loads(report.read_text())["bytes"]
+            self.assertEqual(read["received"], sum(v for k, v in read.items() if k != "received"))
+            return read["maps"], out.read_bytes()
+
+        with Server(self.store) as server:
+            first, picture = maps_of("painted")
+            self.assertGreater(first, 10_000)
+            files = sorted(cache.iterdir())
+            self.assertEqual(len(files), 2)  # of normals and of colours
+            self.assertEqual(maps_of("painted"), (0, picture))
+            self.assertEqual(maps_of("twin")[0], 0)  # another name, the same bytes
+            self.assertEqual(maps_of("painted", "none"), (first, picture))
+            damaged = bytearray(files[0].read_bytes())
+            damaged[len(damaged) // 2] ^= 1
+            files[0].write_bytes(damaged)
+            files[1].write_bytes(b"")
+            self.assertEqual(maps_of("painted"), (first, picture))
+            self.assertEqual(maps_of("painted"), (0, picture))
+
+    def test_several_models_share_a_picture(self):
+        for name, shape in (("left", torus(48, 24)), ("right", torus(32, 16))):
+            self.prepare_shape(name, shape)
+        report = self.folder / "two.json"
+        with Server(self.store) as server:
+            for more in ((), ("--contours", "server"), ("--camera", "orbit:80,10,0.3")):
+                run("limn-client", "render", "--server", server.url, "--model", "left", "--with", "right", "--with",
+                    "left@0,4,0", "--draw", "clip", "--size", "96x96", "--out", self.folder / "two.png", "--report",
+                    report, "--cache", "none", *more)
+                read = json.loads(report.read_text())["bytes"]
+                self.assertEqual(read["received"], sum(v for k, v in read.items() if k != "received"))
+                self.assertGreater(read["maps"], 0)
+                _, _, rows = png.read(self.folder / "two.png")
+                self.assertGreater(len({bytes(row[x:x + 3]) for row in rows for x in range(0, len(row), 3)}), 50)
 
     def test_an_open_mesh_says_why_it_has_no_hull(self):
         prepared, _ = self.prepare_shape("hills", hills(20, 20))

@@ -14,7 +14,8 @@ void main() {
 }
 )";
 
-/// A partly covered pixel: its place, from the bottom left, and how much the paper shows there.
+/// A partly covered pixel: its place, from the bottom left, and how much of what is behind the
+/// model shows there.
 inline constexpr std::string_view kClipPixelVertex = R"(#version 300 es
 layout(location = 0) in highp vec2 pixel;
 layout(location = 1) in mediump float coverage;
@@ -31,9 +32,12 @@ inline constexpr std::string_view kClipPixelFragment = R"(#version 300 es
 precision mediump float;
 in mediump float shown;
 uniform vec3 paper;
+uniform mediump sampler2D picture;
+uniform float isPaper;  // 1: paper is behind the model, 0: what the picture has there
 out vec4 color;
 void main() {
-  color = vec4(paper, shown);
+  vec3 behind = isPaper > 0.0 ? paper : texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb;
+  color = vec4(behind, shown);
 }
 )";
 
@@ -72,14 +76,16 @@ void main() {
 }
 )";
 
-/// Lambert by the face's normal, or the map's.
+/// Lambert by the face's normal, or the map's; in one colour, or the map's.
 inline constexpr std::string_view kHullFragment = R"(#version 300 es
 precision highp float;
 flat in highp vec3 normal;
 flat in highp vec3 along;
 in highp vec2 texel;
 uniform highp sampler2D normals;
-uniform float mapped;  // 1: by the map
+uniform mediump sampler2D colors;
+uniform float mapped;   // 1: by the map of normals
+uniform float painted;  // 1: by the map of colours
 uniform vec4 light;  // xyz: towards it
 uniform vec3 surface;
 out vec4 color;
@@ -92,7 +98,11 @@ void main() {
     if (z < 0.0) p = (1.0 - abs(p.yx)) * vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0);
     n = normalize(p.x * along + p.y * cross(normal, along) + z * normal);
   }
-  color = vec4(surface * (0.30 + 0.70 * max(dot(n, light.xyz), 0.0)), 1.0);
+  vec3 paint = surface;
+  if (painted > 0.0) {
+    paint = 255.0 / 63.0 * texture(colors, texel / vec2(textureSize(colors, 0))).rgb;
+  }
+  color = vec4(paint * (0.30 + 0.70 * max(dot(n, light.xyz), 0.0)), 1.0);
 }
 )";
 

@@ -177,7 +177,11 @@ TEST(RenderOptions, WrongUsageGetsOneLine) {
         "render --asset a --out",
         "render --asset a --out x.png --camera orbit:1,2 --camera-file c.json",
         "render --asset a --out x.png --draw clip --contours server",
-        "render --server ws://h:1 --model m --out x.png --contours server",
+        "render --server ws://h:1 --model m --out x.png --draw shaded --contours server",
+        "render --server ws://h:1 --model m --out x.png --with n",
+        "render --server ws://h:1 --model m --svg x.svg --draw clip --with n",
+        "render --server ws://h:1 --model m --out x.png --draw clip --with n@1,2",
+        "render --server ws://h:1 --model m --out x.png --draw clip --with @1,2,3",
         "render --server ws://h:1 --model m --out x.png --draw clip --contours both",
         "render --server ws://h:1 --model m --out x.png --draw clip --contours server --until "
         "exact",
@@ -197,6 +201,17 @@ TEST(RenderOptions, ClippingTakesTheOutlineOfEdges) {
   EXPECT_EQ(parsed->render->draw, DrawMode::kClip);
   EXPECT_EQ(parsed->render->silhouette, SilhouetteKind::kEdges);
   EXPECT_EQ(parsed->render->contours, SessionMachine::Options::Contours::kServer);
+}
+
+TEST(RenderOptions, SeveralModelsComeWithTheirPlaces) {
+  const auto parsed =
+      parse("render --asset a --out x.png --draw clip --with b --with c/d@1,-2,3e1");
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  ASSERT_EQ(parsed->render->with.size(), 2U);
+  EXPECT_EQ(parsed->render->with[0].model, "b");
+  EXPECT_FALSE(parsed->render->with[0].place);
+  EXPECT_EQ(parsed->render->with[1].model, "c/d");
+  EXPECT_EQ(parsed->render->with[1].place, glm::dvec3(1.0, -2.0, 30.0));
 }
 
 TEST(ViewOptions, AreCheckedAsRendersAre) {

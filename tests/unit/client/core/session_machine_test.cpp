@@ -11,6 +11,11 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
 namespace limn {
 namespace {
 
@@ -478,6 +483,91 @@ TEST(SessionMachine, AsksForTheContourAgainAfterALoss) {
   bench.wait();
   bench.openModel(ball());
   EXPECT_EQ(bench.count<protocol::GetContour>(), 2);
+}
+
+// ---- Hulls and maps
+
+/// In memory.
+class RememberedSections final : public SectionCache {
+ public:
+  std::vector<std::uint8_t> load(const protocol::SectionHash& hash) override {
+    const auto found = kept.find(hash);
+    return found == kept.end() ? std::vector<std::uint8_t>() : found->second;
+  }
+
+  void keep(const protocol::SectionHash& hash, std::span<const std::uint8_t> bytes) override {
+    kept[hash].assign(bytes.begin(), bytes.end());
+  }
+
+  std::map<protocol::SectionHash, std::vector<std::uint8_t>> kept;
+};
+
+/// The ball's description, as if it had hulls and a map of so many bytes over 500 faces.
+std::vector<std::uint8_t> infoWithMap(const std::vector<std::uint8_t>& png) {
+  auto message = protocol::decodeMessage(ball().info, protocol::Sender::kServer);
+  auto info = *message->as<protocol::ModelInfo>();
+  info.hull = protocol::HullInfo{2, 200, 5000, 200, 5000, {}};
+  info.maps = protocol::MapInfo{500, 4, static_cast<std::uint32_t>(png.size()), 0};
+  info.maps->normalHash = protocol::sectionHash(png);
+  return protocol::encodeMessage(info);
+}
+
+TEST(SessionMachine, AViewThatWantsAHullAsksForItAndItsMapOnce) {
+  const std::vector<std::uint8_t> png(300, 7);
+  StopCondition never;
+  never.kind = StopCondition::Kind::kNever;
+  Bench bench(never);
+  bench.open();
+  bench.say(protocol::Welcome{1, "server"});
+  bench.say(infoWithMap(png));
+  bench.view(0.0);
+  EXPECT_EQ(bench.count<protocol::GetHull>(), 0);
+  ClientView view;
+  view.camera.eye = {1.0, 0.0, 5.0};
+  for (const std::uint32_t faces : {500U, 500U, 700U}) {
+    view.hullFaces = faces;
+    bench.machine.setView(view, bench.now);
+    bench.collect();
+  }
+  // More is asked for once the first has come, of which it is not yet known how much that is.
+  EXPECT_EQ(bench.count<protocol::GetHull>(), 1);
+  EXPECT_EQ(bench.last<protocol::GetHull>()->faces, 500U);
+  EXPECT_EQ(bench.count<protocol::GetMap>(), 1);
+  EXPECT_EQ(bench.machine.phase(), Phase::kStreaming);
+}
+
+TEST(SessionMachine, AMapThatTheCacheHasIsNotAskedForAndADamagedOneIs) {
+  const std::vector<std::uint8_t> png(300, 7);
+  const auto cache = std::make_shared<RememberedSections>();
+  const auto begin = [&] {
+    SessionMachine::Options options = Bench::options({}, "ball");
+    options.outerHullFaces = 500;
+    options.maps = SessionMachine::Options::Maps::kWanted;
+    options.cache = cache;
+    auto bench = std::make_unique<Bench>(options);
+    bench->open();
+    bench->say(protocol::Welcome{1, "server"});
+    bench->say(infoWithMap(png));
+    return bench;
+  };
+  const auto first = begin();
+  EXPECT_EQ(first->count<protocol::GetMap>(), 1);
+  first->say(protocol::Map{0, protocol::MapKind::kNormals, 0, std::span(png).first(200)});
+  EXPECT_TRUE(cache->kept.empty());
+  first->say(protocol::Map{0, protocol::MapKind::kNormals, 1, std::span(png).subspan(200)});
+  ASSERT_EQ(cache->kept.size(), 1U);
+  EXPECT_EQ(cache->kept.begin()->second, png);
+
+  const auto second = begin();
+  EXPECT_EQ(second->count<protocol::GetMap>(), 0);
+  ASSERT_TRUE(second->machine.decoder().maps().map(protocol::MapKind::kNormals));
+  EXPECT_EQ(second->machine.decoder().maps().map(protocol::MapKind::kNormals)->png, png);
+
+  cache->kept.begin()->second[5] ^= 1;
+  const auto third = begin();
+  EXPECT_EQ(third->count<protocol::GetMap>(), 1);
+  third->say(protocol::Map{0, protocol::MapKind::kNormals, 0, png});
+  EXPECT_EQ(cache->kept.begin()->second, png);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ ViewMemory unusual() {
       "ink",
       "hand",
       "off",
+      750,
       3.5,
       2.0,
       true,
@@ -65,6 +66,7 @@ TEST(ViewChoices, AreTheFlagsThatDrawThem) {
   EXPECT_EQ(valueOf("--draw"), "shaded");
   EXPECT_EQ(valueOf("--features"), "border");
   EXPECT_EQ(valueOf("--width"), "3.5");
+  EXPECT_EQ(valueOf("--hull-faces"), "750");
   EXPECT_EQ(flags.back(), "--ortho");
 }
 

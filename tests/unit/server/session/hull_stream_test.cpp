@@ -20,15 +20,19 @@ const Hulls& hulls() {
   return built;
 }
 
-/// A torus with its hulls.
+TriangleMesh paintedTorus() {
+  TriangleMesh mesh = primitives::torus(40, 20);
+  for (const glm::ivec3& p : mesh.positions)
+    mesh.attributes.colors.emplace_back(p.x % 256, p.y % 256, p.z % 256);
+  return mesh;
+}
+
+/// A torus with its hulls, and maps of a painted one.
 std::shared_ptr<const Model> hulledModel() {
   const auto sections = encodeHullSections(hulls());
   EXPECT_TRUE(sections->reason.empty()) << sections->reason;
-  const MapSections maps = encodeMapSections(
-      primitives::torus(40, 20),
-      *sections,
-      100,
-      {.texelsPerFace = 200, .threads = 1});
+  const MapSections maps =
+      encodeMapSections(paintedTorus(), *sections, 100, {.texelsPerFace = 200, .threads = 1});
   auto model = Model::load(memoryAssetOf(primitives::torus(40, 20), 7, 60, sections.get(), &maps));
   EXPECT_TRUE(model) << model.error().message;
   return *model;
@@ -91,14 +95,93 @@ TEST_F(HullLink, SendsTheMapOfNormalsWholeAndForTheLevelItSays) {
   link_.send(GetHull{0, kOuterSide, 100, 0});
   link_.send(protocol::GetMap{0, protocol::MapKind::kNormals, 0});
   link_.settle();
-  ASSERT_TRUE(link_.decoder().normalMap());
-  EXPECT_EQ(link_.decoder().normalMap()->png.size(), link_.decoder().model().normalMapBytes);
-  EXPECT_GT(link_.decoder().mapPiecesHeld(), 1U);
+  ASSERT_TRUE(link_.decoder().maps().map(protocol::MapKind::kNormals));
+  EXPECT_EQ(
+      link_.decoder().maps().map(protocol::MapKind::kNormals)->png.size(),
+      link_.decoder().model().mapFile(protocol::MapKind::kNormals).bytes);
+  EXPECT_GT(link_.decoder().maps().held(protocol::MapKind::kNormals), 1U);
   EXPECT_TRUE(link_.failures_.empty());
   link_.send(protocol::GetMap{0, protocol::MapKind::kNormals, 4000});
   link_.settle();
   ASSERT_EQ(link_.failures_.size(), 1U);
   EXPECT_EQ(link_.failures_[0], WireError::kState);
+}
+
+TEST_F(HullLink, SendsTheMapOfColoursBesideIt) {
+  link_.send(protocol::GetMap{0, protocol::MapKind::kColors, 0});
+  link_.send(protocol::GetMap{0, protocol::MapKind::kNormals, 0});
+  link_.settle();
+  EXPECT_TRUE(link_.decoder().maps().map(protocol::MapKind::kColors));
+  EXPECT_TRUE(link_.decoder().maps().map(protocol::MapKind::kNormals));
+  EXPECT_TRUE(link_.failures_.empty());
+}
+
+TEST(HullStream, WhatIsNotWhatItsHashSaysIsRefusedByTheClient) {
+  const auto model = hulledModel();
+  ASSERT_TRUE(model->info().baseHash && model->info().hull->outerHash);
+  ASSERT_TRUE(model->info().maps->normalHash && model->info().maps->colorHash);
+  const auto refused = [&](const protocol::Bytes message, auto damage) {
+    StreamDecoder decoder;
+    EXPECT_TRUE(decoder.beginModel(model->info()));
+    auto decoded = protocol::decodeMessage(message, protocol::Sender::kServer);
+    return damage(decoder, *decoded);
+  };
+  std::vector<std::uint8_t> bytes;
+  const auto flipped = [&bytes](protocol::Bytes from) {
+    bytes.assign(from.begin(), from.end());
+    bytes[bytes.size() / 2] ^= 1;
+    return protocol::Bytes(bytes);
+  };
+  const auto base = refused(model->base(), [&](StreamDecoder& decoder, protocol::Message& message) {
+    auto body = *message.as<protocol::Base>();
+    body.draco = flipped(body.draco);
+    return decoder.take(body);
+  });
+  ASSERT_FALSE(base);
+  EXPECT_EQ(base.error().code, ErrorCode::kCorrupt);
+  EXPECT_NE(base.error().message.find("hash"), std::string::npos);
+  const auto hull = refused(
+      model->hull(kOuterSide).front(),
+      [&](StreamDecoder& decoder, protocol::Message& message) {
+        auto body = *message.as<protocol::Hull>();
+        body.draco = flipped(body.draco);
+        return decoder.take(body);
+      });
+  ASSERT_FALSE(hull);
+  EXPECT_NE(hull.error().message.find("hash"), std::string::npos);
+}
+
+TEST(HullStream, ADamagedMapIsAskedForAnew) {
+  const auto model = hulledModel();
+  StreamDecoder decoder;
+  ASSERT_TRUE(decoder.beginModel(model->info()));
+  const auto kind = protocol::MapKind::kColors;
+  const auto play = [&](std::size_t damagedPiece) {
+    const auto& messages = model->map(kind);
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      const auto message = protocol::decodeMessage(messages[i], protocol::Sender::kServer);
+      auto map = *message->as<protocol::Map>();
+      std::vector<std::uint8_t> bytes(map.png.begin(), map.png.end());
+      if (i == damagedPiece) bytes.back() ^= 1;
+      map.png = bytes;
+      if (auto taken = decoder.take(map); !taken) return taken;
+    }
+    return Result<void>();
+  };
+  EXPECT_FALSE(play(0));
+  EXPECT_EQ(decoder.maps().held(kind), 0U);
+  EXPECT_TRUE(play(SIZE_MAX));
+  EXPECT_TRUE(decoder.maps().map(kind));
+  // What another time kept is taken if it is that, and else not.
+  StreamDecoder later;
+  ASSERT_TRUE(later.beginModel(model->info()));
+  auto png = decoder.maps().map(kind)->png;
+  EXPECT_FALSE(later.restoreMap(protocol::MapKind::kNormals, png));
+  png[100] ^= 1;
+  EXPECT_FALSE(later.restoreMap(kind, png));
+  png[100] ^= 1;
+  EXPECT_TRUE(later.restoreMap(kind, png));
+  EXPECT_EQ(later.snapshot()->colorMap->png, png);
 }
 
 TEST(HullStream, AModelWithoutMapsSaysSo) {

@@ -98,6 +98,7 @@ inline std::shared_ptr<const Asset> memoryAssetOf(
     parts[sections::kHullInner] = hulls->inner;
   }
   if (maps != nullptr) parts[sections::kMapNormals] = maps->normals;
+  if (maps != nullptr && !maps->colors.empty()) parts[sections::kMapColors] = maps->colors;
   return std::make_shared<MemoryAsset>(id, std::move(parts));
 }
 

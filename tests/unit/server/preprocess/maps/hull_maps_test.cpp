@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/preprocess/maps/normal_map.h"
+#include "server/preprocess/maps/hull_maps.h"
 
 #include "server/preprocess/maps/corner_normals.h"
 #include "server/preprocess/maps/png.h"
@@ -30,11 +30,10 @@ glm::dmat3 frameOf(const TriangleMesh& hull, std::uint32_t face) {
 }
 
 /// In the texel of a face's corner.
-glm::dvec3
-normalAt(const NormalMap& map, const TriangleMesh& hull, std::uint32_t face, int corner) {
+glm::dvec3 normalAt(const HullMaps& map, const TriangleMesh& hull, std::uint32_t face, int corner) {
   const glm::ivec2 texel(map.layout.corner(face, corner));
   const std::size_t at = 2 * static_cast<std::size_t>(texel.y * map.layout.width() + texel.x);
-  return decodeMapNormal(frameOf(hull, face), {map.codes[at], map.codes[at + 1]});
+  return decodeMapNormal(frameOf(hull, face), {map.normals[at], map.normals[at + 1]});
 }
 
 /// Twice as large about the middle.
@@ -72,13 +71,13 @@ TEST(MapLayout, TilesLieApartAndInsideTheMap) {
   }
 }
 
-TEST(NormalMap, OfASphereOverALargerOneIsRadial) {
+TEST(HullMaps, OfASphereOverALargerOneIsRadial) {
   const TriangleMesh sphere = primitives::icosphere(5);
   const TriangleMesh hull = swollen(primitives::icosphere(1));
   ASSERT_EQ(hull.grid.step, primitives::icosphere(1).grid.step);
   TriangleMesh onGrid = hull;
   onGrid.grid = sphere.grid;
-  const NormalMap map = shootNormals(sphere, onGrid, {.texelsPerFace = 60, .threads = 2});
+  const HullMaps map = shootMaps(sphere, onGrid, {.texelsPerFace = 60, .threads = 2});
   EXPECT_EQ(map.misses, 0U);
   for (std::uint32_t face = 0; face < map.layout.faces; ++face) {
     for (int k = 0; k < 3; ++k) {
@@ -93,29 +92,64 @@ TEST(NormalMap, OfASphereOverALargerOneIsRadial) {
   }
 }
 
-TEST(NormalMap, DoesNotDependOnThreads) {
+TEST(HullMaps, DoesNotDependOnThreads) {
   const TriangleMesh mesh = primitives::bumpySphere(4, 3);
   const TriangleMesh hull = swollen(primitives::icosphere(1));
   TriangleMesh onGrid = hull;
   onGrid.grid = mesh.grid;
-  const NormalMap one = shootNormals(mesh, onGrid, {.texelsPerFace = 40, .threads = 1});
-  const NormalMap three = shootNormals(mesh, onGrid, {.texelsPerFace = 40, .threads = 3});
-  EXPECT_EQ(one.codes, three.codes);
+  const HullMaps one = shootMaps(mesh, onGrid, {.texelsPerFace = 40, .threads = 1});
+  const HullMaps three = shootMaps(mesh, onGrid, {.texelsPerFace = 40, .threads = 3});
+  EXPECT_EQ(one.normals, three.normals);
   EXPECT_EQ(one.misses, three.misses);
 }
 
-TEST(NormalMap, ARayThatMissesTakesTheClosestPoint) {
+TEST(HullMaps, ARayThatMissesTakesTheClosestPoint) {
   // A hull far to the side: none of its rays meets anything.
   const TriangleMesh mesh = primitives::icosphere(3);
   TriangleMesh hull = primitives::icosphere(0);
   hull.grid = mesh.grid;
   for (glm::ivec3& p : hull.positions)
     p.x += 1 << 18;
-  const NormalMap map = shootNormals(mesh, hull, {.texelsPerFace = 30, .threads = 1});
+  const HullMaps map = shootMaps(mesh, hull, {.texelsPerFace = 30, .threads = 1});
   EXPECT_GT(map.misses, 0U);
   for (std::uint32_t face = 0; face < map.layout.faces; ++face) {
     for (int k = 0; k < 3; ++k)
       EXPECT_GT(normalAt(map, hull, face, k).x, -0.05) << face;  // towards the hull
+  }
+}
+
+TEST(HullMaps, ColoursAreTheMeshsWhereTheRayMeetsIt) {
+  TriangleMesh sphere = primitives::icosphere(5);
+  EXPECT_TRUE(
+      shootMaps(sphere, swollen(primitives::icosphere(1)), {.texelsPerFace = 20}).colors.empty());
+  const auto middleOf = [](const TriangleMesh& mesh) {
+    glm::dvec3 middle(0.0);
+    for (const glm::ivec3& p : mesh.positions)
+      middle += glm::dvec3(p) / static_cast<double>(mesh.positions.size());
+    return middle;
+  };
+  const auto colorTowards = [](const glm::dvec3& direction) {
+    return 127.5 + 127.5 * glm::normalize(direction);
+  };
+  const glm::dvec3 middle = middleOf(sphere);
+  for (const glm::ivec3& p : sphere.positions)
+    sphere.attributes.colors.emplace_back(glm::round(colorTowards(glm::dvec3(p) - middle)));
+  TriangleMesh hull = swollen(primitives::icosphere(1));
+  hull.grid = sphere.grid;
+  const HullMaps map = shootMaps(sphere, hull, {.texelsPerFace = 60, .threads = 2});
+  ASSERT_EQ(map.colors.size(), map.normals.size() / 2 * 3);
+  for (std::uint32_t face = 0; face < map.layout.faces; ++face) {
+    for (int k = 0; k < 3; ++k) {
+      const glm::ivec2 texel(map.layout.corner(face, k));
+      const auto at = static_cast<std::size_t>(3 * (texel.y * map.layout.width() + texel.x));
+      const glm::dvec3 expected =
+          colorTowards(glm::dvec3(hull.positions[hull.triangles[face][k]]) - middleOf(hull));
+      for (int channel = 0; channel < 3; ++channel) {
+        const std::uint8_t code = map.colors[at + static_cast<std::size_t>(channel)];
+        ASSERT_LE(code, kMapColorSteps);
+        EXPECT_NEAR(code * 255.0 / kMapColorSteps, expected[channel], 8.0);
+      }
+    }
   }
 }
 

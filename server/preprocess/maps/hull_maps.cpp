@@ -3,7 +3,7 @@
 // Based on: P. Sander, X. Gu, S. Gortler, H. Hoppe, J. Snyder, "Silhouette clipping", SIGGRAPH
 // 2000, section 4. Rays are cast with our own tree (shared/ray), in doubles from integer corners,
 // so the map does not depend on the machine; texels around a tile are shot like its own.
-#include "server/preprocess/maps/normal_map.h"
+#include "server/preprocess/maps/hull_maps.h"
 
 #include "server/preprocess/maps/corner_normals.h"
 
@@ -34,9 +34,15 @@ glm::dvec3 barycentric(const Triangle& t, const glm::dvec3& p) {
   return b / (b.x + b.y + b.z);
 }
 
+/// What a texel sees.
+struct Shot {
+  glm::dvec3 normal{0.0, 0.0, 1.0};
+  glm::dvec3 color{0.0};  // sRGB, 0 to 255; zero where the mesh has none
+};
+
 class Shooter {
  public:
-  Shooter(const TriangleMesh& mesh, const TriangleMesh& hull, const NormalMapOptions& options)
+  Shooter(const TriangleMesh& mesh, const TriangleMesh& hull, const MapOptions& options)
       : mesh_(mesh),
         tree_(mesh.positions, mesh.triangles),
         normals_(cornerNormals(mesh, options.creaseAngleDegrees)),
@@ -54,10 +60,11 @@ class Shooter {
     lift_ = 1e-4 * glm::length(high - low) + 1.0;
   }
 
-  /// The mesh's normal seen from barycentric coordinates of a hull face, which may lie outside of
-  /// it a little. Adds to `misses` when nothing is hit.
-  [[nodiscard]] glm::dvec3 at(std::uint32_t face, const glm::dvec3& b, std::uint64_t& misses)
-      const {
+  [[nodiscard]] bool hasColors() const { return !mesh_.attributes.colors.empty(); }
+
+  /// The mesh as seen from barycentric coordinates of a hull face, which may lie outside of it a
+  /// little. Adds to `misses` when nothing is hit.
+  [[nodiscard]] Shot at(std::uint32_t face, const glm::dvec3& b, std::uint64_t& misses) const {
     glm::dvec3 place{0.0};
     glm::dvec3 normal{0.0};
     for (int k = 0; k < 3; ++k) {
@@ -69,11 +76,11 @@ class Shooter {
       normal /= length;
       const Ray ray{place + lift_ * normal, -normal};
       if (const auto hit = tree_.firstHit(ray))
-        return normalOf(hit->face, ray.origin + hit->t * ray.direction);
+        return shotAt(hit->face, ray.origin + hit->t * ray.direction);
     }
     ++misses;
     const auto nearest = tree_.closest(place);
-    return nearest ? normalOf(nearest->face, nearest->point) : glm::dvec3(0.0, 0.0, 1.0);
+    return nearest ? shotAt(nearest->face, nearest->point) : Shot{};
   }
 
   [[nodiscard]] glm::dmat3 frameOf(std::uint32_t face) const {
@@ -85,16 +92,21 @@ class Shooter {
   }
 
  private:
-  [[nodiscard]] glm::dvec3 normalOf(FaceId face, const glm::dvec3& point) const {
+  [[nodiscard]] Shot shotAt(FaceId face, const glm::dvec3& point) const {
     Triangle t;
     for (int k = 0; k < 3; ++k)
       t[static_cast<std::size_t>(k)] = glm::dvec3(mesh_.positions[mesh_.triangles[face][k]]);
     const glm::dvec3 b = barycentric(t, point);
     glm::dvec3 normal{0.0};
-    for (int k = 0; k < 3; ++k)
+    Shot shot;
+    for (int k = 0; k < 3; ++k) {
       normal += b[k] * glm::dvec3(normals_[3 * face + static_cast<std::uint32_t>(k)]);
+      if (hasColors())
+        shot.color += b[k] * glm::dvec3(mesh_.attributes.colors[mesh_.triangles[face][k]]);
+    }
     const double length = glm::length(normal);
-    return length > 0.0 ? normal / length : glm::dvec3(normals_[3 * face]);
+    shot.normal = length > 0.0 ? normal / length : glm::dvec3(normals_[3 * face]);
+    return shot;
   }
 
   const TriangleMesh& mesh_;
@@ -107,7 +119,7 @@ class Shooter {
 };
 
 /// The cells of `layout` from first on, every `stride`-th.
-std::uint64_t fillCells(const Shooter& shooter, NormalMap& map, int first, int stride) {
+std::uint64_t fillCells(const Shooter& shooter, HullMaps& map, int first, int stride) {
   const MapLayout& layout = map.layout;
   const int side = layout.cellSide();
   std::uint64_t misses = 0;
@@ -124,14 +136,18 @@ std::uint64_t fillCells(const Shooter& shooter, NormalMap& map, int first, int s
         const glm::dvec2 uv = inTile / static_cast<double>(layout.leg - 1);
         const bool isInside = uv.x >= 0.0 && uv.y >= 0.0 && uv.x + uv.y <= 1.0;
         std::uint64_t missed = 0;
-        const glm::dvec3 n = shooter.at(face, glm::dvec3(1.0 - uv.x - uv.y, uv.x, uv.y), missed);
+        const Shot shot = shooter.at(face, glm::dvec3(1.0 - uv.x - uv.y, uv.x, uv.y), missed);
         if (isInside) misses += missed;
         const std::size_t texel =
-            2 * (static_cast<std::size_t>(corner.y + y) * static_cast<std::size_t>(layout.width()) +
-                 static_cast<std::size_t>(corner.x + x));
-        const auto code = encodeMapNormal(shooter.frameOf(face), n);
-        map.codes[texel] = code[0];
-        map.codes[texel + 1] = code[1];
+            static_cast<std::size_t>(corner.y + y) * static_cast<std::size_t>(layout.width()) +
+            static_cast<std::size_t>(corner.x + x);
+        const auto code = encodeMapNormal(shooter.frameOf(face), shot.normal);
+        std::ranges::copy(code, map.normals.begin() + static_cast<std::ptrdiff_t>(2 * texel));
+        if (!shooter.hasColors()) continue;
+        for (int k = 0; k < 3; ++k) {
+          map.colors[3 * texel + static_cast<std::size_t>(k)] =
+              static_cast<std::uint8_t>(std::lround(shot.color[k] * kMapColorSteps / 255.0));
+        }
       }
     }
   }
@@ -140,18 +156,17 @@ std::uint64_t fillCells(const Shooter& shooter, NormalMap& map, int first, int s
 
 }  // namespace
 
-NormalMap
-shootNormals(const TriangleMesh& mesh, const TriangleMesh& hull, const NormalMapOptions& options) {
-  NormalMap map;
+HullMaps shootMaps(const TriangleMesh& mesh, const TriangleMesh& hull, const MapOptions& options) {
+  HullMaps map;
   map.layout.faces = static_cast<std::uint32_t>(hull.triangles.size());
   // leg · (leg + 1) / 2 texels lie in a tile.
   map.layout.leg =
       std::max(2, static_cast<int>(std::lround(std::sqrt(2.0 * options.texelsPerFace) - 0.5)));
-  map.codes.assign(
-      2 * static_cast<std::size_t>(map.layout.width()) *
-          static_cast<std::size_t>(map.layout.height()),
-      64);
   const Shooter shooter(mesh, hull, options);
+  const std::size_t texels =
+      static_cast<std::size_t>(map.layout.width()) * static_cast<std::size_t>(map.layout.height());
+  map.normals.assign(2 * texels, 64);
+  if (shooter.hasColors()) map.colors.assign(3 * texels, 0);
   const int threads = static_cast<int>(
       options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency()));
   std::atomic<std::uint64_t> misses = 0;
