@@ -244,9 +244,10 @@ bool Channel::mayPrefetch(std::int64_t nowMs) const {
          nowMs - poseAtMs_ >= options_.prefetchAfterMs;
 }
 
-void Channel::prefetch() {
+double Channel::prefetch() {
   prefetching_ = true;
   adopt(Plan::kEverything, nullptr);
+  return have_.vertexCount() - have_.count();
 }
 
 bool Channel::planIsFinal() const {
@@ -603,7 +604,7 @@ OutMessage Channel::packetOf(const std::vector<VertexId>& ids) {
   PacketMaker& packets = model_->packets();
   const std::uint64_t kept = packets.hits();
   const auto coded = packets.packet(ids);
-  if (prefetching_ && packets.hits() == kept) prefetchedSplits_ += ids.size();
+  if (prefetching_ && packets.hits() != kept) sharedSplits_ += ids.size();
   for (const VertexId v : ids)
     have_.add(v);
   const double measured = static_cast<double>(coded->bytes()) / static_cast<double>(ids.size());

@@ -120,12 +120,12 @@ class Channel {
 
   /// Whether there is time for what the pose does not need.
   [[nodiscard]] bool mayPrefetch(std::int64_t nowMs) const;
-  /// From now on, until the next pose.
-  void prefetch();
+  /// Sends that from now on, until the next pose. Returns how many splits it is.
+  [[nodiscard]] double prefetch();
 
-  /// How many splits were coded for that since the last call.
-  [[nodiscard]] double takePrefetchedSplits() {
-    return static_cast<double>(std::exchange(prefetchedSplits_, 0));
+  /// How many of them, since the last call, need not be coded since others were sent the same.
+  [[nodiscard]] double takeSharedSplits() {
+    return static_cast<double>(std::exchange(sharedSplits_, 0));
   }
 
   /// Chooses a cell on the camera's way once everything before it is sent. True when it did: there
@@ -244,7 +244,7 @@ class Channel {
   bool full_ = false;       // something that the pose needs is missing, and there is no room
   bool fullSent_ = false;
   bool prefetching_ = false;
-  std::size_t prefetchedSplits_ = 0;
+  std::size_t sharedSplits_ = 0;
   bool settledSent_ = false;   // for this pose and goal
   bool completeSent_ = false;  // for this pose
   std::optional<std::vector<std::uint8_t>> droppedAnswer_;

@@ -251,7 +251,8 @@ void Session::update(std::int64_t nowMs) {
     }
     more = channel.update(shared_.cells, nowMs) || more;
     if (channel.mayPrefetch(nowMs) && shared_.prefetch.allows(nowMs)) {
-      channel.prefetch();
+      // Before any of it is coded, so that one begins at a time.
+      shared_.prefetch.spend(channel.prefetch());
       more = true;
     }
     if (channel.contourFailed()) {
@@ -319,7 +320,7 @@ std::optional<OutMessage> Session::nextPayload() {
     auto message = channel.nextPayload(window_);
     if (message) {
       channel.addServed(message->bytes().size());
-      shared_.prefetch.spend(channel.takePrefetchedSplits());
+      shared_.prefetch.give(channel.takeSharedSplits());
       return message;
     }
     // Nothing, as it turned out, or the window is full: then nobody else's turn comes before.

@@ -28,7 +28,7 @@ struct SessionShared {
   SessionOptions options;
   std::string serverName = "limn-server";
   /// Splits that are coded only to be prefetched, of all clients.
-  RateLimit prefetch{options.prefetchSplitsPerSecond, options.prefetchSplitsPerSecond};
+  RateLimit prefetch{options.prefetchSplitsPerSecond, options.prefetchSplitsPerSecond / 50.0};
   // Counted by sessions.
   std::uint64_t poses = 0;
   std::uint64_t posesReplaced = 0;  // by a newer one before it was their turn
