@@ -127,7 +127,8 @@ void LightClient::opened(double nowMs) {
 
 void LightClient::openChannels() {
   for (Channel& channel : channels_) {
-    channel.resuming = channel.asset && channel.decoder;
+    // Also when the last attempt did not come as far as a ModelInfo.
+    channel.resuming = channel.decoder && (channel.asset || channel.resuming);
     channel.asset.reset();
     if (!channel.resuming) channel.baseHere = false;
   }
@@ -173,7 +174,11 @@ void LightClient::received(std::span<const std::uint8_t> bytes, double nowMs) {
 
 void LightClient::handle(const protocol::Message& message, double nowMs) {
   const auto index = protocol::channelOf(message.body);
-  if (index && *index >= channels_.size()) return decodeError("a channel that is not open");
+  if (index && *index >= channels_.size()) {
+    // A malformed Open may have been a good one, of another channel.
+    if (mayBeThrownOut()) return;
+    return decodeError("a channel that is not open");
+  }
   Channel* const channel = index ? &channels_[*index] : nullptr;
   std::visit(
       [&](const auto& body) {

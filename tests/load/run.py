@@ -35,6 +35,28 @@ failed = 0
 """
 
 
+DRAIN = """decode = 0
+[[phase]]
+clients = %d
+ramp_s = %g
+hold_s = 60
+model = "turbine-blade"
+behaviour = "idle"
+"""
+RESTART = """decode = 1
+[[phase]]
+clients = %d
+ramp_s = 3
+hold_s = 17
+model = "turbine-blade"
+returns = true
+[thresholds]
+failed = 0
+dropped = 0
+decode_errors = 0
+"""
+
+
 def prepare(names, models, folder):
     store = folder / "store"
     for name in sorted(names):
@@ -93,6 +115,45 @@ def play(store, script, folder, tls=False):
     return result
 
 
+@contextlib.contextmanager
+def crowd(store, folder, text, clients):
+    """A server and a generator beside it, once everybody is connected."""
+    script, report = folder / "crowd.toml", folder / "crowd.json"
+    script.write_text(text)
+    with harness.Server(store, *LIMITS) as server:
+        server.wait_for_metric("limn_ready", 1)
+        load = subprocess.Popen([harness.BIN / "limn-load", "--server", server.url, "--script", script, "--report", report],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            server.wait_for_metric("limn_connections", clients)
+            time.sleep(2.0)  # some of what they want comes
+            yield server, load, report
+        finally:
+            load.kill()
+            load.wait()
+
+
+def drain(store, folder, clients):
+    """SIGTERM with so many connected; a line, and whether it went well."""
+    with crowd(store, folder, DRAIN % (clients, clients / 600), clients) as (server, _, _):
+        begun = time.monotonic()
+        status = server.terminate()
+        seconds = time.monotonic() - begun
+    return "drain: %d clients in %.1f s, exit status %d" % (clients, seconds, status), status == 0 and seconds <= 25
+
+
+def restart(store, folder, clients):
+    """kill -9 while so many decode, and a new server on the same port; a line, and whether all went on."""
+    with crowd(store, folder, RESTART % clients, clients) as (server, load, path):
+        server.kill()
+        server.start()
+        load.wait(harness.DEADLINE_S)
+        report = json.loads(path.read_text())
+    return "restart: %d of %d clients went on from what they held; %s" % (
+        report["clients"]["resumed"], clients, "; ".join(report["failures"]) or "no error"), (
+            report["passed"] and report["clients"]["resumed"] >= clients)
+
+
 def number(value, digits="%.0f"):
     return "-" if value is None else digits % value
 
@@ -121,26 +182,35 @@ def main():
     parser.add_argument("--models", type=pathlib.Path, default=harness.models())
     parser.add_argument("--soak", action="store_true")
     parser.add_argument("--tls", action="store_true")
+    parser.add_argument("--drain", type=int, metavar="CLIENTS")
+    parser.add_argument("--restart", type=int, metavar="CLIENTS")
     parser.add_argument("--plot", type=pathlib.Path)
     parser.add_argument("--json", type=pathlib.Path)
     arguments = parser.parse_args()
-    scripts = arguments.scripts or [s for s in sorted(HERE.glob("*.toml")) if arguments.soak or s.stem != "soak"]
+    only = arguments.drain or arguments.restart
+    scripts = arguments.scripts or [s for s in sorted(HERE.glob("*.toml")) if not only and (arguments.soak or s.stem != "soak")]
     names = set()
     for script in scripts:
         text = script.read_text()
         names.update(re.findall(r'"([^"]+)"', " ".join(re.findall(r"^(?:model|also) *= *(.*)$", text, re.M))))
-    if arguments.plot:
+    if arguments.plot or only:
         names.add("turbine-blade")
     unknown = sorted(n for n in names if n not in GENERATED and not (arguments.models and any(
         (arguments.models / (n + e)).exists() for e in EXTENSIONS)))
     if unknown:
         parser.error("no mesh for %s: give --models DIR" % ", ".join(unknown))
-    folder, reports = pathlib.Path(tempfile.mkdtemp(prefix="limn-load-")), {}
+    folder, reports, held = pathlib.Path(tempfile.mkdtemp(prefix="limn-load-")), {}, True
     try:
         store = prepare(names, arguments.models, folder)
         if arguments.tls:
             harness.make_certificate(folder)
-        print(LINE % HEAD)
+        for case, clients in ((drain, arguments.drain), (restart, arguments.restart)):
+            if clients:
+                text, well = case(store, folder, clients)
+                held = held and well
+                print(text + ("" if well else ": FAILED"), flush=True)
+        if scripts:
+            print(LINE % HEAD)
         for script in scripts:
             reports[script.stem] = play(store, script, folder, arguments.tls)
             print(line(script.stem, reports[script.stem]), flush=True)
@@ -161,7 +231,7 @@ def main():
         return 1
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    return 0 if all(report["passed"] for report in reports.values()) else 1
+    return 0 if held and all(report["passed"] for report in reports.values()) else 1
 
 
 if __name__ == "__main__":

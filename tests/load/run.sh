@@ -1,13 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Builds a release and plays the load scripts beside this file, each against a server of its own; prints one table.
-#   tests/load/run.sh [SCRIPT...] [--models DIR] [--soak] [--tls] [--plot SVG] [--json F]
+#   tests/load/run.sh [SCRIPT...] [--models DIR] [--soak] [--tls] [--drain N] [--restart N]
+#                     [--plot SVG] [--json F]
 # Without a script: all but soak.toml (--soak: that too). Models: those that scripts name, from DIR (default:
 # ../shared/models when there, else generated shapes of the same names). --plot: latency against the number of orbiting
-# clients, 1 to 200. --tls: scripts over wss, certificate checked.
+# clients, 1 to 200. --tls: scripts over wss, certificate checked. --drain: SIGTERM with N clients connected. --restart:
+# kill -9 under N clients that decode everything, and a new server.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-case " $* " in *" -h "* | *" --help "*) sed -n '3,7s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
+case " $* " in *" -h "* | *" --help "*) sed -n '3,9s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
 cd "$here/../.."
 deploy/packages.sh build run test
 mkdir -p build/release
