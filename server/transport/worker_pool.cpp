@@ -46,7 +46,8 @@ void WorkerPool::submit(
   ++pending_;
   {
     const std::lock_guard lock(mutex_);
-    queues_[static_cast<std::size_t>(urgency)].push_back({std::move(work), std::move(done)});
+    queues_[static_cast<std::size_t>(urgency)].push_back(
+        {std::move(work), std::move(done), submitted_++});
   }
   // Not one: it may be one that must not take it.
   condition_.notify_all();
@@ -83,14 +84,24 @@ bool WorkerPool::hasNext(Role role) const {
   return hasSearch || hasUrgent();
 }
 
+std::size_t WorkerPool::chosen(Role role) {
+  if (role == Role::kSearching && !queues_[kSearch].empty()) return kSearch;
+  const std::size_t end = role == Role::kUrgent ? kSearch : kTaskUrgencies;
+  const bool goesByAge = ++taken_ % kTurn == 0;
+  std::size_t best = end;
+  for (std::size_t urgency = 0; urgency < end; ++urgency) {
+    const std::deque<Task>& queue = queues_[urgency];
+    if (queue.empty()) continue;
+    if (best == end || (goesByAge && queue.front().number < queues_[best].front().number))
+      best = urgency;
+  }
+  return best;
+}
+
 WorkerPool::Task WorkerPool::next(Role role) {
-  const std::size_t least = role == Role::kUrgent ? kSearch - 1 : kSearch;
-  const bool isTheirTurn = role == Role::kSearching || ++taken_ % kTurn == 0;
-  std::size_t urgency = isTheirTurn ? least : 0;
-  while (queues_[urgency].empty())
-    urgency += isTheirTurn ? -1 : 1;
-  Task task = std::move(queues_[urgency].front());
-  queues_[urgency].pop_front();
+  std::deque<Task>& queue = queues_[chosen(role)];
+  Task task = std::move(queue.front());
+  queue.pop_front();
   if (role == Role::kUrgent) {
     urgentIsBusy_ = true;
     condition_.notify_all();

@@ -16,8 +16,8 @@
 namespace limn {
 
 /// A TaskRunner of threads. The most urgent work goes first, in order of its coming; but one task
-/// in kTurn is the least urgent that waits, so that none waits for ever. Where there are
-/// more threads than one, one never searches. Finished work waits until the loop thread calls
+/// in kTurn is the one that has waited longest, so that none waits for ever. Where there are more
+/// threads than one, one never searches. Finished work waits until the loop thread calls
 /// runDone(); `wake` is called from a worker to make it do so.
 class WorkerPool final : public TaskRunner {
  public:
@@ -40,6 +40,7 @@ class WorkerPool final : public TaskRunner {
   struct Task {
     std::function<void()> work;
     std::function<void()> done;
+    std::uint64_t number = 0;  // in order of their coming
   };
 
   static constexpr std::size_t kTurn = 8;
@@ -54,7 +55,9 @@ class WorkerPool final : public TaskRunner {
   // With mutex_ held.
   [[nodiscard]] bool hasUrgent() const;
   [[nodiscard]] bool hasNext(Role role) const;
-  [[nodiscard]] Task next(Role role);  // hasNext(role)
+  // hasNext(role):
+  [[nodiscard]] std::size_t chosen(Role role);
+  [[nodiscard]] Task next(Role role);
 
   std::function<void()> wake_;
   std::size_t pending_ = 0;  // loop thread
@@ -63,6 +66,7 @@ class WorkerPool final : public TaskRunner {
   std::array<std::deque<Task>, kTaskUrgencies> queues_;  // guarded by mutex_
   bool urgentIsBusy_ = false;                            // guarded by mutex_
   std::size_t taken_ = 0;                                // guarded by mutex_
+  std::uint64_t submitted_ = 0;                          // guarded by mutex_
   std::vector<std::function<void()>> finished_;          // guarded by mutex_
   bool stopping_ = false;                                // guarded by mutex_
   std::vector<std::thread> threads_;                     // last: they use all of the above

@@ -147,6 +147,18 @@ TEST(WorkerPool, WhatIsLeastUrgentDoesNotWaitForEver) {
   EXPECT_LT(std::ranges::find(order, 0) - order.begin(), 10);
 }
 
+TEST(WorkerPool, WhatIsNeitherMostNorLeastUrgentDoesNotWaitForEver) {
+  BusyPool busy(1);
+  busy.pool().submit(TaskUrgency::kView, busy.note(0), [] {});
+  constexpr std::size_t kOthers = 50;
+  for (std::size_t i = 0; i < kOthers; ++i) {
+    busy.pool().submit(TaskUrgency::kMotion, busy.note(1), [] {});
+    busy.pool().submit(TaskUrgency::kSearch, busy.note(2), [] {});
+  }
+  const std::vector<int> order = busy.release(2 * kOthers + 1);
+  EXPECT_LT(std::ranges::find(order, 0) - order.begin(), 10);
+}
+
 TEST(WorkerPool, SearchesLeaveOneThreadToTheOthers) {
   std::atomic<int> searching = 0;
   std::atomic<bool> stop = false;
