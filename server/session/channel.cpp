@@ -271,6 +271,7 @@ bool Channel::steer(ViewCells& cells, std::int64_t nowMs) {
       const bool exact = pose_->goal == protocol::Goal::kExact;
       // It is found for the mesh that the client will have then: until it is there, no more.
       adopt(Plan::kNothing, nullptr);
+      if (!exact && !cells.mayAsk(*model_, *pose_)) return changed;
       pending_ = cells.pose(
           model_,
           *pose_,

@@ -146,6 +146,16 @@ ViewCells::Ticket ViewCells::pose(
   return job;
 }
 
+bool ViewCells::mayAsk(const Model& model, const protocol::Pose& pose) const {
+  if (pendingSearches_ < options_.maxSearches || pendingCells_ < options_.maxPending) return true;
+  const auto cell = restCellOf(pose, model.info());
+  if (!cell || byKey_.contains(Key{model.id(), cell->key})) return true;
+  return std::ranges::any_of(poses_, [&](const auto& entry) {
+    return entry->need == Need::kSettled && sameView(entry->pose, pose) &&
+           entry->asset == model.id();
+  });
+}
+
 ViewCells::Ticket ViewCells::sharedPose(
     const Model& model,
     const protocol::Pose& pose,

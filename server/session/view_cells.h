@@ -56,6 +56,10 @@ class ViewCells {
       Need need,
       const HaveSet& have);
 
+  /// Whether pose() has a ticket for kSettled now: found out without `have`, which takes long to
+  /// make for many who wait.
+  [[nodiscard]] bool mayAsk(const Model& model, const protocol::Pose& pose) const;
+
   /// A Contour message on its way; as Job.
   struct ContourJob {
     bool done = false;

@@ -635,8 +635,11 @@ void Transport::onTick() {
       connected_.size() * static_cast<std::size_t>(sinceMs) / kLookMs + 1);
   for (std::size_t i = std::min(some, connected_.size()); i > 0; --i) {
     looked_ = looked_ + 1 < connected_.size() ? looked_ + 1 : 0;
-    const Socket& socket = connected_[looked_];
-    if (socket.connection->tick(now)) continue;
+    Socket& socket = connected_[looked_];
+    if (socket.connection->tick(now)) {
+      if (socket.connection->isLively()) lively_.add(socket);
+      continue;
+    }
     cut(socket.wsi);
     cuts = true;
   }

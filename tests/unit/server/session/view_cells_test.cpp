@@ -123,6 +123,9 @@ TEST(ViewCells, BeyondSoManySearchesCellsDecide) {
   const auto third = cells.pose(sphere(), poseAt(info, {1, 0.001, 0}, 4.0), kSettled, have);
   EXPECT_EQ(second, third) << "one for all who stand about there";
   EXPECT_EQ(cells.pose(sphere(), poseAt(info, {0, 1, 0}, 4.0), kSettled, have), nullptr) << "later";
+  EXPECT_TRUE(cells.mayAsk(*sphere(), poseAt(info, {0, 0, 1}, 4.0))) << "shares the search";
+  EXPECT_TRUE(cells.mayAsk(*sphere(), poseAt(info, {1, 0, 0}, 4.0))) << "shares the cell";
+  EXPECT_FALSE(cells.mayAsk(*sphere(), poseAt(info, {0, 1, 0}, 4.0))) << "later";
   EXPECT_EQ(tasks.runAll(), 2U);
   EXPECT_NE(searched->set, nullptr);
   EXPECT_NE(second->set, nullptr);
