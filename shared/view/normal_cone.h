@@ -3,8 +3,6 @@
 
 #include <glm/glm.hpp>
 
-#include <span>
-
 namespace limn {
 
 /// A cone of directions: all unit vectors within acos(cosHalf) of `axis`.
@@ -16,11 +14,6 @@ struct NormalCone {
     return glm::dot(axis, unit) >= cosHalf;
   }
 };
-
-/// A narrow cone that holds all of `normals` (unit or zero; zeros are ignored): their mean, moved
-/// towards the farthest one a few times [BadoiuClarkson03, "Smaller core-sets for balls"]. Without
-/// normals, or when no half space holds them, everything. Cost: O(normals).
-[[nodiscard]] NormalCone fitNormalCone(std::span<const glm::dvec3> normals);
 
 /// The smallest cone around two, or every direction where it would have to be wider than a half
 /// space. Rounding is to the safe side. Takes square roots only: the same on every platform.

@@ -42,27 +42,6 @@ int countFront(const std::vector<glm::vec4>& planes, const glm::vec4& eye) {
   return count;
 }
 
-TEST(NormalCone, HoldsEveryNormalAndIsNarrow) {
-  Rng rng(1);
-  for (int trial = 0; trial < 100; ++trial) {
-    const glm::dvec3 axis = randomUnit(rng);
-    std::vector<glm::dvec3> normals;
-    for (int i = 0; i < 20; ++i)
-      normals.push_back(glm::normalize(axis + 0.3 * randomUnit(rng)));
-    const NormalCone cone = fitNormalCone(normals);
-    for (const glm::dvec3& n : normals)
-      EXPECT_GE(glm::dot(cone.axis, n), cone.cosHalf - 1e-12);
-    // All normals are within asin 0.3 of the axis they were made about.
-    EXPECT_GE(cone.cosHalf, 0.90);
-  }
-}
-
-TEST(NormalCone, OfNothingOrOpposedNormalsIsEverything) {
-  EXPECT_EQ(fitNormalCone({}).cosHalf, -1.0);
-  const std::array<glm::dvec3, 2> opposed = {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0)};
-  EXPECT_LE(fitNormalCone(opposed).cosHalf, 0.0);
-}
-
 // A random direction within the cone, often on its rim.
 glm::dvec3 randomInside(Rng& rng, const NormalCone& cone) {
   const double half = std::acos(std::clamp(cone.cosHalf, -1.0, 1.0));
