@@ -7,6 +7,7 @@
 //   limn-bare-server STORE MODEL PORT
 #include "server/session/session.h"
 #include "server/store/directory_store.h"
+#include "tests/bench/inline_session.h"
 #include "tests/bench/one_model.h"
 
 #include "protocol/limits.h"
@@ -39,21 +40,6 @@ using Framed = std::vector<std::uint8_t>;
 
 /// What each message of a client is answered with: Hello, Open, then poses.
 using Recording = std::vector<std::vector<Framed>>;
-
-class InlineTasks final : public TaskRunner {
- public:
-  void submit(TaskUrgency, std::function<void()> work, std::function<void()> done) override {
-    work();
-    done();
-  }
-
-  [[nodiscard]] std::size_t pending() const override { return 0; }
-};
-
-class NoPeer final : public Peer {
- public:
-  void wantWrite() override {}
-};
 
 Recording record(const std::shared_ptr<const Model>& model, std::string_view name) {
   InlineTasks tasks;

@@ -11,6 +11,7 @@
 //   shared    other clients were sent the same packets.
 #include "server/session/session.h"
 #include "server/store/directory_store.h"
+#include "tests/bench/inline_session.h"
 #include "tests/bench/one_model.h"
 
 #include "protocol/limits.h"
@@ -22,7 +23,6 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <functional>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -41,21 +41,6 @@ double cpuUs() {
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
-
-class InlineTasks final : public TaskRunner {
- public:
-  void submit(TaskUrgency, std::function<void()> work, std::function<void()> done) override {
-    work();
-    done();
-  }
-
-  [[nodiscard]] std::size_t pending() const override { return 0; }
-};
-
-class NoPeer final : public Peer {
- public:
-  void wantWrite() override {}
-};
 
 struct Cost {
   double us = 0.0;
