@@ -104,6 +104,9 @@ Result<void> understandScene(const RawFlags& raw, RenderCommandOptions& options)
   if (options.with.empty()) return {};
   if (options.with.size() > 15) return wrong("--with: a picture has 16 models at most");
   if (options.draw != DrawMode::kClip) return wrong("--with is for --draw clip");
+  if (options.until && options.until->kind != StopCondition::Kind::kState) {
+    return wrong("--with waits for states: --until base, settled, exact or complete");
+  }
   if (options.check || !options.svg.empty() || !options.dumpLines.empty() ||
       !options.dumpMesh.empty() || !options.dumpHull.empty() || !options.dumpInnerHull.empty()) {
     return wrong("--with draws pictures: leave out --check, --svg and --dump-…");

@@ -199,8 +199,11 @@ struct LoadConnections::Impl {
               "the server closed with status " + std::to_string(bytes[0] * 256 + bytes[1]);
         }
         return 0;
-      case LWS_CALLBACK_CLIENT_CLOSED:
       case LWS_CALLBACK_WSI_DESTROY:  // all there is when a handshake takes too long
+        if (!connection->open && !connection->aborted)
+          connection->reason = "cannot connect: no answer";
+        [[fallthrough]];
+      case LWS_CALLBACK_CLIENT_CLOSED:
         gone(*connection, wsi);
         return 0;
       default:

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-/// The inner loops of ConesDetector, in a portable and an AVX2 version that find the same
+/// The inner loops of ConesDetector, in portable, AVX2 and AVX-512 versions that find the same
 /// silhouettes. Internal to shared/silhouette.
 namespace limn::silhouette {
 

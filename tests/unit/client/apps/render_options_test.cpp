@@ -181,6 +181,7 @@ TEST(RenderOptions, WrongUsageGetsOneLine) {
         "render --server ws://h:1 --model m --out x.png --with n",
         "render --server ws://h:1 --model m --svg x.svg --draw clip --with n",
         "render --server ws://h:1 --model m --out x.png --draw clip --with n@1,2",
+        "render --server ws://h:1 --model m --out x.png --draw clip --with n --until seconds:2",
         "render --server ws://h:1 --model m --out x.png --draw clip --with @1,2,3",
         "render --server ws://h:1 --model m --out x.png --draw clip --contours both",
         "render --server ws://h:1 --model m --out x.png --draw clip --contours server --until "
