@@ -8,10 +8,12 @@
 // Deviations: nothing is counted along a line, where one wrong step spoils the rest. A place where
 // a line passes behind an edge tells on which side of it the line is hidden, and so up to the next
 // place of change. Lines that run behind an outline without passing it are probed across: a step
-// outwards, past the outline, comes out from behind it.
+// outwards, past the outline, comes out from behind it; from there, and from the faces around the
+// line's own edge, a walk over the surface tells whether it covers the line.
 #include "client/stroke/line_spans.h"
 
 #include "client/stroke/clip_segment.h"
+#include "client/stroke/outline_walk.h"
 #include "client/stroke/segment_facts.h"
 
 #include "shared/mesh/edge_shape.h"
@@ -29,6 +31,8 @@ constexpr double kOwnSurface = 4.0;
 constexpr double kProbePx = 1.5;
 /// A probe each pixel, and no more than this many a span.
 constexpr double kMostProbes = 16.0;
+/// Window depth behind all there is in the picture.
+constexpr double kBehindAll = 2.0;
 
 }  // namespace
 
@@ -55,6 +59,7 @@ class SpanCutter {
         memory_(memory),
         out_(out),
         judge_(lines, scene),
+        walk_(scene),
         clipFromGrid_(clipFromGrid(scene)),
         eye_(scene.grid.fromModel(scene.camera.eye)),
         toEyeAtInfinity_(-scene.camera.forward()),
@@ -122,7 +127,7 @@ class SpanCutter {
     out_.begin.resize(line.end, static_cast<std::uint32_t>(out_.pieces.size()));
     // A loop's last span goes on as its first.
     if (line.closed && goesOn && !segments.front().isHiddenAtStart) joinSeam();
-    probe(line, segments);
+    probe(segments);
   }
 
  private:
@@ -174,14 +179,14 @@ class SpanCutter {
       } else if (isContour(line)) {
         // Lines run with the front side to their left: n × along points there. Where that side is
         // the farther one, the surface bends towards the eye and covers the line.
-        segment.isHiddenAtStart =
+        segment.isHidden =
             glm::dot(glm::cross(normal(segment.face), to - from), towardEye(0.5 * (from + to))) <
             0.0;
-        if (!segment.isHiddenAtStart) segment.openSide = 1;
-        segment.isHiddenAtEnd = segment.isHiddenAtStart;
+        if (!segment.isHidden) segment.openSide = 1;
       } else {
-        segment.isHiddenAtStart = segment.isHiddenAtEnd = !isFront(segment.face);
+        segment.isHidden = !isFront(segment.face);
       }
+      if (segment.isHidden) segment.isHiddenAtStart = segment.isHiddenAtEnd = true;
     }
     const glm::dvec4 a = clipFromGrid_ * glm::dvec4(from, 1.0);
     const glm::dvec4 b = clipFromGrid_ * glm::dvec4(to, 1.0);
@@ -210,13 +215,10 @@ class SpanCutter {
       segment.openSide = side;
     } else {
       const bool isFrontThere = isFront(HalfEdgeMesh::face(twin));
-      const bool isHidden = isFrontHere != isFrontThere || isContour
-                                ? isConcave(scene_.mesh, scene_.positions, h)
-                                : !isFrontHere;
-      if (isHidden) {
-        segment.isHiddenAtStart = segment.isHiddenAtEnd = true;
-        return;
-      }
+      segment.isHidden = isFrontHere != isFrontThere || isContour
+                             ? isConcave(scene_.mesh, scene_.positions, h)
+                             : !isFrontHere;
+      if (segment.isHidden) return;
       if (isFrontHere != isFrontThere) segment.openSide = side;
     }
     if (!isPolygonal_) {
@@ -240,7 +242,7 @@ class SpanCutter {
   void meet(const PolylineSet::Line& line, const Segment& segment) {
     std::vector<LineCrossings::Crossing>& found = memory_.found_;
     found.clear();
-    if (!segment.isInPicture) return;
+    if (!segment.isInPicture || segment.isHidden) return;
     memory_.crossings_.crossInPicture(segment.from, segment.to, found);
     leaveOutOwn(line, segment);
   }
@@ -262,7 +264,7 @@ class SpanCutter {
 
   // Spans about which nothing is known are hidden where steps outwards mostly come out from behind
   // something.
-  void probe(const PolylineSet::Line& line, std::span<const Segment> segments) {
+  void probe(std::span<const Segment> segments) {
     memory_.probes_.assign(out_.states.size() - firstSpan_, {});
     forOpenPieces(
         segments,
@@ -282,12 +284,13 @@ class SpanCutter {
           const int count = std::max(1, static_cast<int>((b - a) * length / spacing));
           for (int k = 0; k < count; ++k) {
             ++probes.asked;
-            if (comesOut(line, s, a + (b - a) * (k + 0.5) / count, step)) ++probes.hidden;
+            const double t = a + (b - a) * (k + 0.5) / count;
+            if (isCoveredAround(s, t) || comesOut(s, t, step)) ++probes.hidden;
           }
         });
     for (std::size_t i = 0; i < memory_.probes_.size(); ++i) {
       const LineSpanFinder::Probes& probes = memory_.probes_[i];
-      if (probes.hidden > 0 && 2 * probes.hidden >= probes.asked)
+      if (probes.hidden > 0 && 2 * probes.hidden > probes.asked)
         out_.states[firstSpan_ + i] = isPolygonal_ ? State::kHidden : State::kDoubtful;
     }
   }
@@ -308,35 +311,66 @@ class SpanCutter {
     }
   }
 
-  // Whether a step outwards from a place of a segment comes out from behind more than it goes in
-  // behind: then the place is behind something itself.
-  [[nodiscard]] bool comesOut(
-      const PolylineSet::Line& line,
-      const Segment& segment,
-      double t,
-      const glm::dvec3& step) {
-    std::vector<LineCrossings::Crossing>& found = memory_.found_;
-    found.clear();
-    const glm::dvec3 start = glm::mix(segment.from, segment.to, t);
-    memory_.crossings_.crossInPicture(start, start + step, found);
-    leaveOutOwn(line, segment);
-    int entered = 0;
-    for (const LineCrossings::Crossing& c : found) {
-      entered += c.enters ? 1 : -1;
-      if (entered < 0) return isBehind(segment, t, c.face);
+  // Whether a place of an edge is covered by the surface around the edge's ends.
+  [[nodiscard]] bool isCoveredAround(const Segment& segment, double t) const {
+    const glm::dvec3 place = placeAt(segment, t);
+    const HalfEdgeId edge = lines_.halfEdges[segment.point];
+    const HalfEdgeId twin = scene_.mesh.twin(edge);
+    const FaceId other = twin != kNone ? HalfEdgeMesh::face(twin) : kNone;
+    for (const HalfEdgeId start : {edge, twin}) {
+      if (start == kNone) continue;
+      for (HalfEdgeId h = scene_.mesh.rotateCcw(start); h != kNone && h != start;
+           h = scene_.mesh.rotateCcw(h)) {
+        const FaceId face = HalfEdgeMesh::face(h);
+        if (face != segment.face && face != other &&
+            walk_.covers(face, place, segment.face, other) == OutlineWalk::Answer::kCovers)
+          return true;
+      }
     }
     return false;
   }
 
-  // Whether a place of a segment lies behind a face's plane: not where the way has passed through.
-  [[nodiscard]] bool isBehind(const Segment& segment, double t, FaceId face) const {
-    const glm::dvec3 p = glm::mix(
+  // Whether a place of a segment is covered by a surface whose outline lies a step outwards.
+  [[nodiscard]] bool comesOut(const Segment& segment, double t, const glm::dvec3& step) {
+    std::vector<LineCrossings::Crossing>& found = memory_.found_;
+    found.clear();
+    // From behind everything: a surface that is steep to the view may cover the place although its
+    // outline is farther away than that.
+    glm::dvec3 start = glm::mix(segment.from, segment.to, t);
+    const double behind = kBehindAll - start.z;
+    start.z = kBehindAll;
+    memory_.crossings_.crossInPicture(start, start + step, found);
+    if (found.empty()) return false;
+    const glm::dvec3 place = placeAt(segment, t);
+    const HalfEdgeId twin = scene_.mesh.twin(lines_.halfEdges[segment.point]);
+    const FaceId other = twin != kNone ? HalfEdgeMesh::face(twin) : kNone;
+    int entered = 0;
+    for (const LineCrossings::Crossing& c : found) {
+      const bool isBefore = c.gap > behind;
+      if (isBefore) entered += c.enters ? 1 : -1;
+      if (c.enters) continue;
+      const OutlineWalk::Answer answer = walk_.covers(c.face, place, segment.face, other);
+      if (answer == OutlineWalk::Answer::kCovers) return true;
+      // Where the way over the surface is not known: coming out without having gone in.
+      if (answer == OutlineWalk::Answer::kUnknown && isBefore && entered < 0)
+        return isBehind(place, c.face);
+    }
+    return false;
+  }
+
+  // Grid units. The share is that in the picture: close enough where a segment is short to the eye.
+  [[nodiscard]] glm::dvec3 placeAt(const Segment& segment, double t) const {
+    return glm::mix(
         glm::dvec3(lines_.points[segment.begin]),
         glm::dvec3(lines_.points[segment.next]),
         t);
+  }
+
+  // Whether a place lies behind a face's plane: not where the way has passed through.
+  [[nodiscard]] bool isBehind(const glm::dvec3& place, FaceId face) const {
     const glm::dvec3 n = normal(face);
     const glm::dvec3 a = corner(3 * face);
-    return (glm::dot(n, p - a) < 0.0) == (glm::dot(n, towardEye(a)) > 0.0);
+    return (glm::dot(n, place - a) < 0.0) == (glm::dot(n, towardEye(a)) > 0.0);
   }
 
   const PolylineSet& lines_;
@@ -344,6 +378,7 @@ class SpanCutter {
   LineSpanFinder& memory_;
   LineSpans& out_;
   SegmentJudge judge_;
+  OutlineWalk walk_;
   glm::dmat4 clipFromGrid_;
   glm::dvec3 eye_;  // grid units
   glm::dvec3 toEyeAtInfinity_;

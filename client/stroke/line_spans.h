@@ -67,6 +67,7 @@ class LineSpanFinder {
     std::uint32_t next = 0;
     FaceId face = kNone;
     bool isInPicture = false;
+    bool isHidden = false;  // by its own surface, all along it
     bool isHiddenAtStart = false;
     bool isHiddenAtEnd = false;
     /// Where in the picture its surface ends: 1 right of it, −1 left, 0 nowhere.

@@ -3,7 +3,9 @@
 
 #include "client/stroke/chain.h"
 #include "client/stroke/line_spans.h"
+#include "client/stroke/outline_walk.h"
 
+#include "shared/mesh/edge_shape.h"
 #include "shared/mesh/primitives.h"
 #include "shared/silhouette/detector.h"
 
@@ -134,6 +136,61 @@ TEST(Visibility, ALightsSilhouetteIsHiddenOnlyWhereTheSurfaceTurnsAway) {
     }
   }
   EXPECT_GT(shown, 10);
+}
+
+TEST(Visibility, AConcaveEdgeIsHiddenAllAlongWhateverItPassesBehind) {
+  const TriangleMesh shape = primitives::torusKnot(3, 7, 300, 12);
+  const auto mesh =
+      HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
+  ASSERT_TRUE(mesh);
+  const Camera camera = orbitCamera(boundingSphere(shape.grid, shape.positions), 20, 70);
+  const LineScene scene{*mesh, shape.positions, shape.grid, camera, {400, 400}};
+  const SilhouetteField field(*mesh, shape.positions, SilhouetteKind::kEdges);
+  const SilhouetteView view{shape.grid.fromModel(camera.eye), camera.forward(), false};
+  SilhouetteChainer chainer;
+  const PolylineSet& lines =
+      chainer.chain(field, view, makeDetector(DetectorMethod::kBrute, field)->detect(view));
+  const LineSpans spans = findSpans(lines, scene);
+  int concave = 0;
+  for (const PolylineSet::Line& line : lines.lines) {
+    for (std::uint32_t k = 0; k < line.segmentCount(); ++k) {
+      const std::uint32_t point = line.begin + k;
+      if (!isConcave(*mesh, shape.positions, lines.halfEdges[point])) continue;
+      ++concave;
+      for (std::uint32_t i = spans.begin[point]; i < spans.begin[point + 1]; ++i)
+        EXPECT_EQ(spans.states[spans.pieces[i].span], LineSpans::State::kHidden) << point;
+    }
+  }
+  EXPECT_GT(concave, 20);
+}
+
+TEST(Visibility, AWalkOverASurfaceTellsWhetherItCoversAPlace) {
+  const TriangleMesh shape = primitives::icosphere(3);
+  const auto mesh =
+      HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
+  ASSERT_TRUE(mesh);
+  const Camera camera = orbitCamera(boundingSphere(shape.grid, shape.positions), 20, 40);
+  const LineScene scene{*mesh, shape.positions, shape.grid, camera, {400, 400}};
+  const OutlineWalk walk(scene);
+  const glm::dvec3 eye = shape.grid.fromModel(camera.eye);
+  const auto corner = [&](HalfEdgeId h) { return glm::dvec3(shape.positions[mesh->origin(h)]); };
+  const auto isFront = [&](FaceId f) {
+    const glm::dvec3 a = corner(3 * f);
+    return glm::dot(glm::cross(corner(3 * f + 1) - a, corner(3 * f + 2) - a), eye - a) > 0.0;
+  };
+  int walks = 0;
+  for (FaceId face = 0; face < mesh->faceCount(); ++face) {
+    const FaceId from = HalfEdgeMesh::face(mesh->twin(mesh->twin(3 * face) / 3 * 3));
+    if (!isFront(face) || !isFront(from)) continue;
+    const glm::dvec3 middle =
+        (corner(3 * face) + corner(3 * face + 1) + corner(3 * face + 2)) / 3.0;
+    const glm::dvec3 step = 10.0 * glm::normalize(eye - middle);
+    EXPECT_EQ(walk.covers(from, middle - step, kNone, kNone), OutlineWalk::Answer::kCovers);
+    EXPECT_EQ(walk.covers(from, middle + step, kNone, kNone), OutlineWalk::Answer::kLiesBehind);
+    EXPECT_EQ(walk.covers(from, middle - step, face, kNone), OutlineWalk::Answer::kLiesBehind);
+    ++walks;
+  }
+  EXPECT_GT(walks, 100);
 }
 
 TEST(Visibility, AClosedSpinesFilterWraps) {
