@@ -8,6 +8,7 @@ import os
 import pathlib
 import re
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -115,6 +116,35 @@ def play(store, script, folder, tls=False):
     return result
 
 
+def play_bare(store, script, folder):
+    """The report of a script of one model against libwebsockets alone (tests/bench/bare_server.cpp), with the same payload."""
+    report, port = folder / "bare.json", harness.free_port()
+    [model] = set(re.findall(r'^model *= *"([^"]+)"', script.read_text(), re.M))
+    server = subprocess.Popen([harness.BIN / "limn-bare-server", store, model, str(port)], stdout=subprocess.DEVNULL)
+    try:
+        deadline = time.monotonic() + 60  # it records first
+        while True:
+            with contextlib.suppress(ConnectionRefusedError), socket.create_connection(("127.0.0.1", port)):
+                break
+            if server.poll() is not None or time.monotonic() > deadline:
+                raise AssertionError("limn-bare-server does not start")
+            time.sleep(0.1)
+        harness.run("limn-load", "--server", "ws://127.0.0.1:%d" % port, "--server-pid", server.pid, "--script", script,
+                    "--report", report, expect=None)
+    finally:
+        server.kill()
+        server.wait()
+    return json.loads(report.read_text())
+
+
+def beside_bare(limn, bare):
+    """What a script's clients got of what a bare server gives them, and what that cost, in words."""
+    def poses(report):
+        return report["poses_sent"] / report["server"]["cpu_seconds"]
+    return "of bare libwebsockets: %.0f %% of the bytes, %.0f %% of the poses a second of server CPU (%.0f of %.0f)" % (
+        100 * limn["bytes_received"] / bare["bytes_received"], 100 * poses(limn) / poses(bare), poses(limn), poses(bare))
+
+
 @contextlib.contextmanager
 def crowd(store, folder, text, clients):
     """A server and a generator beside it, once everybody is connected."""
@@ -182,6 +212,7 @@ def main():
     parser.add_argument("--models", type=pathlib.Path, default=harness.models())
     parser.add_argument("--soak", action="store_true")
     parser.add_argument("--tls", action="store_true")
+    parser.add_argument("--bare", action="store_true")
     parser.add_argument("--drain", type=int, metavar="CLIENTS")
     parser.add_argument("--restart", type=int, metavar="CLIENTS")
     parser.add_argument("--plot", type=pathlib.Path)
@@ -214,6 +245,10 @@ def main():
         for script in scripts:
             reports[script.stem] = play(store, script, folder, arguments.tls)
             print(line(script.stem, reports[script.stem]), flush=True)
+            if arguments.bare:
+                bare = play_bare(store, script, folder)
+                print(line(script.stem + ", bare", bare), flush=True)
+                print(beside_bare(reports[script.stem], bare))
         if arguments.plot:
             curves = {"p50": [], "p99": []}
             for clients in (1, 5, 10, 25, 50, 100, 200):
