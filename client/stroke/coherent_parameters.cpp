@@ -91,8 +91,11 @@ void CoherentParameters::assign(
     SpineParameters& out) {
   const glm::dmat4 clipFromGrid = clipFromGridOf(scene);
   if (clipFromGrid == lastClipFromGrid_ && spines.points == lastPoints_) {
-    out = last_;
-    return;
+    if (periodPx == lastPeriodPx_) {
+      out = last_;
+      return;
+    }
+    marks_.clear();  // of textures of another size: as marks they would stretch these
   }
   freshParameters(spines, arcs, lines, periodPx, out);
   if (!marks_.empty()) {

@@ -20,8 +20,9 @@ namespace limn {
 /// Threads: one caller at a time.
 class CoherentParameters {
  public:
-  /// Parameters of this frame's spines, after the last call's. A frame with the same camera and
-  /// lines has the same ones, to the last bit. Cost: O(length in pixels).
+  /// Parameters of this frame's spines, after the last call's. A frame with the same camera, lines
+  /// and period has the same ones, to the last bit; with another period alone it starts anew. Cost:
+  /// O(length in pixels).
   void assign(
       const SpineSet& spines,
       const SpineArcs& arcs,

@@ -49,6 +49,11 @@ class Film {
     return {camera, built.spines, built.parameters};
   }
 
+  void setTextureLength(float lengthPx) {
+    style_.visible.lengthPx = lengthPx;
+    style_.hidden.lengthPx = lengthPx / 2.0F;
+  }
+
   [[nodiscard]] float period() const { return texturePeriod(style_, style_.widthPx); }
 
   [[nodiscard]] std::vector<float> slides(const Frame& before, const Frame& after) const {
@@ -131,6 +136,23 @@ TEST(CoherentParameters, AStillCameraKeepsEveryParameterToTheLastBit) {
     EXPECT_EQ(again.parameters.from, first.parameters.from);
     EXPECT_EQ(again.parameters.to, first.parameters.to);
   }
+}
+
+TEST(CoherentParameters, AnotherTextureSizeFitsLoopsAnewWhereTheCameraIsStill) {
+  Film film(primitives::bumpySphere(4, 3));
+  StrokeBuilder builder;
+  static_cast<void>(film.shoot(30.0, builder));
+  film.setTextureLength(61.0F);
+  const Film::Frame frame = film.shoot(30.0, builder);
+  int loops = 0;
+  for (const SpineSet::Spine& spine : frame.spines.spines) {
+    if (!spine.closed) continue;
+    const float around = frame.parameters.to[spine.end - 1] - frame.parameters.from[spine.begin];
+    const float repeats = around / film.period();
+    EXPECT_NEAR(repeats, std::round(repeats), 1e-3F);
+    ++loops;
+  }
+  EXPECT_GT(loops, 0);
 }
 
 TEST(CoherentParameters, ComingBackAfterAFewFramesFindsTheParametersNearWhereTheyWere) {
