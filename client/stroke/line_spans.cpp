@@ -295,12 +295,11 @@ class SpanCutter {
     }
   }
 
-  // visit(probes of its span, segment, from, to) for pieces of edges at which a surface ends.
+  // visit(probes of its span, segment, from, to) for pieces at which a surface ends.
   template <class Visit>
   void forOpenPieces(std::span<const Segment> segments, Visit visit) {
     for (const Segment& segment : segments) {
       if (segment.openSide == 0 || !segment.isInPicture) continue;
-      if (lines_.halfEdges[segment.point] == kNone) continue;
       double from = 0.0;
       for (std::size_t i = out_.begin[segment.point]; from < 1.0; ++i) {
         const std::uint32_t span = out_.pieces[i].span;
@@ -315,8 +314,9 @@ class SpanCutter {
   [[nodiscard]] bool isCoveredAround(const Segment& segment, double t) const {
     const glm::dvec3 place = placeAt(segment, t);
     const HalfEdgeId edge = lines_.halfEdges[segment.point];
+    if (edge == kNone) return false;
     const HalfEdgeId twin = scene_.mesh.twin(edge);
-    const FaceId other = twin != kNone ? HalfEdgeMesh::face(twin) : kNone;
+    const FaceId other = otherFace(segment);
     for (const HalfEdgeId start : {edge, twin}) {
       if (start == kNone) continue;
       for (HalfEdgeId h = scene_.mesh.rotateCcw(start); h != kNone && h != start;
@@ -342,8 +342,9 @@ class SpanCutter {
     memory_.crossings_.crossInPicture(start, start + step, found);
     if (found.empty()) return false;
     const glm::dvec3 place = placeAt(segment, t);
-    const HalfEdgeId twin = scene_.mesh.twin(lines_.halfEdges[segment.point]);
-    const FaceId other = twin != kNone ? HalfEdgeMesh::face(twin) : kNone;
+    const FaceId other = otherFace(segment);
+    // Of a smooth silhouette only what is certain: its own surface's outline is beside it.
+    const bool isSmooth = lines_.halfEdges[segment.point] == kNone;
     int entered = 0;
     for (const LineCrossings::Crossing& c : found) {
       const bool isBefore = c.gap > behind;
@@ -352,10 +353,17 @@ class SpanCutter {
       const OutlineWalk::Answer answer = walk_.covers(c.face, place, segment.face, other);
       if (answer == OutlineWalk::Answer::kCovers) return true;
       // Where the way over the surface is not known: coming out without having gone in.
-      if (answer == OutlineWalk::Answer::kUnknown && isBefore && entered < 0)
+      if (!isSmooth && answer == OutlineWalk::Answer::kUnknown && isBefore && entered < 0)
         return isBehind(place, c.face);
     }
     return false;
+  }
+
+  // The face across a segment's edge, if any.
+  [[nodiscard]] FaceId otherFace(const Segment& segment) const {
+    const HalfEdgeId edge = lines_.halfEdges[segment.point];
+    const HalfEdgeId twin = edge != kNone ? scene_.mesh.twin(edge) : kNone;
+    return twin != kNone ? HalfEdgeMesh::face(twin) : kNone;
   }
 
   // Grid units. The share is that in the picture: close enough where a segment is short to the eye.
