@@ -2,6 +2,7 @@
 #include "client/stroke/line_fade.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace limn {
 namespace {
@@ -14,6 +15,54 @@ float fade(float extentPx, float belowPx) {
   if (!(belowPx > 0.0F)) return 1.0F;
   const float t = std::clamp(extentPx / belowPx - 1.0F, 0.0F, 1.0F);
   return t * t * (3.0F - 2.0F * t);
+}
+
+/// Ends of outlines, or of inner lines, as near as this continue one another.
+constexpr float kJoinPx = 2.0F;
+
+/// The diagonal of the box around each spine and all those that it continues.
+std::vector<float> joinedExtents(const SpineSet& spines) {
+  struct End {
+    glm::vec2 at;
+    std::uint32_t spine;
+  };
+
+  std::vector<End> ends;
+  for (std::uint32_t i = 0; i < spines.spines.size(); ++i) {
+    const SpineSet::Spine& spine = spines.spines[i];
+    if (spine.closed || isSuggestion(spine.kind)) continue;
+    ends.push_back({spines.points[spine.begin], i});
+    ends.push_back({spines.points[spine.end - 1], i});
+  }
+  std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
+    return a.at.x != b.at.x ? a.at.x < b.at.x
+                            : (a.at.y != b.at.y ? a.at.y < b.at.y : a.spine < b.spine);
+  });
+  std::vector<std::uint32_t> parent(spines.spines.size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto rootOf = [&](std::uint32_t i) {
+    while (parent[i] != i)
+      i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    for (std::size_t j = i + 1; j < ends.size() && ends[j].at.x - ends[i].at.x < kJoinPx; ++j) {
+      if (isInner(spines.spines[ends[i].spine].kind) ==
+              isInner(spines.spines[ends[j].spine].kind) &&
+          glm::distance(ends[i].at, ends[j].at) < kJoinPx)
+        parent[rootOf(ends[j].spine)] = rootOf(ends[i].spine);
+    }
+  }
+  std::vector<SpineSet::Spine> joined(spines.spines);
+  for (std::uint32_t i = 0; i < joined.size(); ++i) {
+    SpineSet::Spine& root = joined[rootOf(i)];
+    root.low = glm::min(root.low, spines.spines[i].low);
+    root.high = glm::max(root.high, spines.spines[i].high);
+  }
+  std::vector<float> extents(joined.size());
+  for (std::uint32_t i = 0; i < extents.size(); ++i)
+    extents[i] = joined[rootOf(i)].extentPx();
+  return extents;
 }
 
 }  // namespace
@@ -29,15 +78,16 @@ void fadeLines(const SpineSet& spines, const StrokeStyle& style, std::vector<Lin
   }
   const float largest = kLargestFade * glm::distance(low, high);
   fades.reserve(spines.spines.size());
-  for (const SpineSet::Spine& spine : spines.spines) {
+  const std::vector<float> extents = joinedExtents(spines);
+  for (std::size_t i = 0; i < extents.size(); ++i) {
+    const SpineSet::Spine& spine = spines.spines[i];
     // Short creases are mostly noise of a scan.
     const float factor = isInner(spine.kind) ? style.creaseFade : 1.0F;
-    const float extent = spine.extentPx();
     fades.push_back(
-        {fade(extent, std::min(factor * style.fadeBelowPx, largest)),
+        {fade(extents[i], std::min(factor * style.fadeBelowPx, largest)),
          isSuggestion(spine.kind)
              ? 0.0F
-             : fade(extent, std::min(factor * style.fadeHiddenBelowPx, largest))});
+             : fade(spine.extentPx(), std::min(factor * style.fadeHiddenBelowPx, largest))});
   }
 }
 

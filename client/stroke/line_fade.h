@@ -15,9 +15,10 @@ struct LineFade {
   float hidden = 1.0F;
 };
 
-/// Fades of every spine by its extent, a smooth ramp from the style's limit to twice as much. The
-/// limits are at most a share of the whole drawing's extent, so that a small picture of a model is
-/// not an empty one. Parallel to SpineSet::spines. Cost: O(spines).
+/// Fades of every spine by its extent (where visible: with those that continue it), a
+/// smooth ramp from the style's limit to twice as much. The limits are at most a share of the whole
+/// drawing's extent, so that a small picture of a model is not an empty one. Parallel to
+/// SpineSet::spines. Cost: O(spines · log spines).
 void fadeLines(const SpineSet& spines, const StrokeStyle& style, std::vector<LineFade>& fades);
 
 /// Leaves out spines of which nothing is to be seen, and their fades. Cost: O(points).

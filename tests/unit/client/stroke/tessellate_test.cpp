@@ -110,6 +110,29 @@ std::vector<glm::vec2> circle(float radius, int count) {
   return points;
 }
 
+TEST(Strokes, AShortPieceOfALongerLineDoesNotFade) {
+  SpineSet spines;
+  const auto add = [&](const glm::vec2& from, const glm::vec2& to) {
+    SpineSet::Spine spine;
+    spine.begin = static_cast<std::uint32_t>(spines.points.size());
+    spine.end = spine.begin + 2;
+    spine.low = glm::min(from, to);
+    spine.high = glm::max(from, to);
+    spines.points.insert(spines.points.end(), {from, to});
+    spines.spines.push_back(spine);
+  };
+  add({10.0F, 10.0F}, {400.0F, 400.0F});
+  add({400.2F, 400.0F}, {403.0F, 402.0F});  // goes on where that ends
+  add({200.0F, 20.0F}, {203.0F, 22.0F});    // on its own
+  StrokeStyle style;
+  style.fadeBelowPx = style.fadeHiddenBelowPx = 6.0F;
+  std::vector<LineFade> fades;
+  fadeLines(spines, style, fades);
+  EXPECT_EQ(fades[1].visible, 1.0F);
+  EXPECT_EQ(fades[1].hidden, 0.0F);  // hidden lines are not to crowd
+  EXPECT_EQ(fades[2].visible, 0.0F);
+}
+
 TEST(Tessellate, EveryPointNearTheSpineIsCoveredHoweverSharpTheTurns) {
   Rng rng(7);
   for (int round = 0; round < 20; ++round) {
