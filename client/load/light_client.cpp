@@ -255,7 +255,7 @@ void LightClient::handleInfo(const protocol::ModelInfo& info, double nowMs) {
 
 void LightClient::resume(const Channel& channel, std::uint8_t id) {
   if (!channel.resuming) return;
-  ++counters_.resumed;
+  if (id == 0) ++counters_.resumed;  // a client, however many models it has open
   for (auto& piece : channel.decoder->haveSet(id))
     outgoing_.push_back(std::move(piece));
 }

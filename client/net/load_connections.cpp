@@ -2,6 +2,7 @@
 #include "client/net/load_connections.h"
 
 #include "client/net/lws_client.h"
+#include "client/net/server_url.h"
 
 #include <ev.h>
 #include <libwebsockets.h>
@@ -9,10 +10,8 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstring>
 #include <deque>
-#include <string_view>
 #include <unordered_map>
 #include <utility>
 
@@ -22,51 +21,6 @@ namespace {
 constexpr std::size_t kMostFiles = std::size_t{1} << 20;
 // No timers a connection: the library sorts them into a list from its front.
 const lws_retry_bo_t kNoPings = {nullptr, 0, 0, 0, 0, 0};
-
-struct Address {
-  std::string host;
-  std::string path = "/";
-  int port = 80;
-  bool tls = false;
-};
-
-Result<Address> parseUrl(std::string_view url) {
-  const auto refuse = [&] {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "'" + std::string(url) + "' is no server address; write ws://HOST:PORT or wss://HOST:PORT");
-  };
-  Address address;
-  if (url.starts_with("wss://")) {
-    address.tls = true;
-    address.port = 443;
-    url.remove_prefix(6);
-  } else if (url.starts_with("ws://")) {
-    url.remove_prefix(5);
-  } else {
-    return refuse();
-  }
-  if (const auto slash = url.find('/'); slash != std::string_view::npos) {
-    address.path = url.substr(slash);
-    url = url.substr(0, slash);
-  }
-  // An IPv6 address stands in brackets: the last colon after them separates the port.
-  const auto bracket = url.rfind(']');
-  const auto colon = url.rfind(':');
-  if (colon != std::string_view::npos && (bracket == std::string_view::npos || colon > bracket)) {
-    const std::string_view digits = url.substr(colon + 1);
-    const auto parsed = std::from_chars(digits.begin(), digits.end(), address.port);
-    if (parsed.ec != std::errc() || parsed.ptr != digits.end() || address.port < 1 ||
-        address.port > 65535) {
-      return refuse();
-    }
-    url = url.substr(0, colon);
-  }
-  if (url.starts_with('[') && url.ends_with(']')) url = url.substr(1, url.size() - 2);
-  if (url.empty()) return refuse();
-  address.host = url;
-  return address;
-}
 
 /// Raises the limit of open files as far as it goes; what it is then. The library's table of
 /// sockets must be of that very size: it would search a smaller one from end to end for every
@@ -94,7 +48,7 @@ struct LoadConnections::Impl {
   };
 
   Options options;
-  Address address;
+  ServerUrl address;
   Listener* listener = nullptr;
   lws_context* context = nullptr;
 
@@ -179,6 +133,7 @@ struct LoadConnections::Impl {
       case LWS_CALLBACK_CLIENT_APPEND_HANDSHAKE_HEADER:
         return addBearerToken(wsi, options.token, in, length);
       case LWS_CALLBACK_CLIENT_ESTABLISHED:
+        connection->wsi = wsi;
         connection->open = true;
         if (listener != nullptr) listener->opened(connection->id);
         return 0;
@@ -226,7 +181,7 @@ LoadConnections::~LoadConnections() = default;
 Result<std::unique_ptr<LoadConnections>> LoadConnections::create(
     Options options,
     Listener& listener) {
-  auto address = parseUrl(options.url);
+  auto address = parseServerUrl(options.url);
   if (!address) return tl::unexpected(address.error());
   const std::size_t needed = options.maxConnections + 64;
   const std::size_t files = mostOpenFiles();
@@ -294,12 +249,15 @@ LoadConnections::Id LoadConnections::connect() {
   info.local_protocol_name = "limn-load";
   info.opaque_user_data = &connection;
   info.retry_and_idle_policy = &kNoPings;
-  info.pwsi = &connection.wsi;
+  lws* wsi = nullptr;  // not the connection's own: it may be gone before the library writes this
+  info.pwsi = &wsi;
   if (impl.address.tls) info.ssl_connection = LCCSCF_USE_SSL;
   impl.connecting = true;
+  const bool begun = lws_client_connect_via_info(&info) != nullptr;
   // On failure CLIENT_CONNECTION_ERROR may have come already, or nothing ever will.
-  if (lws_client_connect_via_info(&info) == nullptr) {
-    if (Impl::Connection* left = impl.find(id)) {
+  if (Impl::Connection* left = impl.find(id)) {
+    left->wsi = wsi;
+    if (!begun) {
       left->reason = "cannot connect: refused by the system";
       impl.gone(*left, nullptr);
     }
