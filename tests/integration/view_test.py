@@ -142,14 +142,14 @@ class View(Case):
             window.picture(1)
             for key in ("F1", "F1", "n", "b", "s", "a", "s", "d", "w", "w", "x", "o", "l", "t", "m", "m", "h"):
                 window.key(key)
-            # From the bottom up, so that a section that opens does not move those still closed; then all that they
-            # hold: what a list offers lies below it, where the next click goes.
-            clicks = [("mousemove", 60, y, "click", 1, "sleep", 0.05) for y in [*range(440, 20, -8), *range(30, 590, 8)]]
-            window.xdotool(*(word for click in clicks for word in click))
+            # Clicks all the way up and down the panel open its sections, change what they hold and press its buttons;
+            # which click meets what depends on what is open by then.
+            clicks = [("mousemove", 60, y, "click", 1, "sleep", 0.05) for y in range(590, 20, -8)]
+            window.xdotool(*(word for click in clicks + clicks[::-1] for word in click))
             window.xdotool("mousemove", 600, 400, "click", "--repeat", 2, "--delay", 80, 1)  # flies there
             self.assertIsNone(window.client.poll(), "the window is gone")
             report = window.quit()
-        self.assertGreater(len(report["saved"]), 1)  # a button saves, too
+        self.assertGreater(report["pictures"], 10)
         chosen = json.loads((self.folder / "memory.json").read_text())
         before = {"style": "pencil", "draw": "strokes", "hidden": "style", "orthographic": False, "width_px": 0.0,
                   "texture_size": 1.0, "detector": "exact"}
