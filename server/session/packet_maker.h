@@ -44,7 +44,7 @@ class PacketMaker {
 
   [[nodiscard]] std::uint64_t hits() const;
 
-  static constexpr std::size_t kCacheBytes = std::size_t{32} << 20;
+  static constexpr std::size_t kCacheBytes = std::size_t{16} << 20;
 
  private:
   struct Entry {
