@@ -141,19 +141,6 @@ std::vector<BoundingSphere> placeAll(
   return placed;
 }
 
-void add(const ByteCounters& more, ByteCounters& sum) {
-  sum.received += more.received;
-  sum.base += more.base;
-  sum.levelBlocks += more.levelBlocks;
-  sum.packets += more.packets;
-  sum.features += more.features;
-  sum.seeds += more.seeds;
-  sum.hull += more.hull;
-  sum.maps += more.maps;
-  sum.contours += more.contours;
-  sum.control += more.control;
-}
-
 }  // namespace
 
 Result<void> runScene(const RenderCommandOptions& options) {
@@ -205,7 +192,7 @@ Result<void> runScene(const RenderCommandOptions& options) {
   // The first model's, but for the bytes, which are those of all.
   SessionOutcome outcome = actors.front()->outcome();
   for (std::size_t i = 1; i < actors.size(); ++i)
-    add(actors[i]->outcome().bytes, outcome.bytes);
+    outcome.bytes += actors[i]->outcome().bytes;
   report.outcome = &outcome;
   report.modelName = actors.front()->name();
   report.detectorName = options.detectorName;

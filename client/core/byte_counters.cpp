@@ -36,4 +36,18 @@ void ByteCounters::countControl(std::size_t wireBytes) {
   control += wireBytes;
 }
 
+ByteCounters& ByteCounters::operator+=(const ByteCounters& more) {
+  received += more.received;
+  base += more.base;
+  levelBlocks += more.levelBlocks;
+  packets += more.packets;
+  features += more.features;
+  seeds += more.seeds;
+  hull += more.hull;
+  maps += more.maps;
+  contours += more.contours;
+  control += more.control;
+  return *this;
+}
+
 }  // namespace limn

@@ -26,6 +26,8 @@ struct ByteCounters {
   void count(const protocol::Body& body, std::size_t wireBytes);
   /// Adds bytes of frames that carried no message we understand.
   void countControl(std::size_t wireBytes);
+  /// Adds what another session received.
+  ByteCounters& operator+=(const ByteCounters& more);
 };
 
 }  // namespace limn

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/crease_noise.h"
 
+#include "shared/core/disjoint_sets.h"
 #include "shared/progressive/vertex_split.h"
 
 #include <algorithm>
@@ -30,7 +31,7 @@ class NoiseFinder {
       std::span<const std::uint8_t> features)
       : mesh_(mesh),
         positions_(positions),
-        parents_(mesh.vertexCount()),
+        connected_(mesh.vertexCount()),
         isCrease_(features.size(), 0),
         seen_(mesh.faceCount(), 0) {
     glm::ivec3 low = positions[0];
@@ -40,14 +41,12 @@ class NoiseFinder {
       high = glm::max(high, p);
     }
     extent_ = glm::distance(glm::dvec3(low), glm::dvec3(high));
-    for (std::uint32_t v = 0; v < parents_.size(); ++v)
-      parents_[v] = v;
     for (HalfEdgeId h = 0; h < features.size(); ++h) {
       const HalfEdgeId twin = mesh.twins[h];
       if (twin == kNone || ((features[h] | features[twin]) & kFeatureCrease) == 0) continue;
       isCrease_[h] = 1;
       if (h < twin) edges_.push_back(h);
-      parents_[rootOf(mesh.origin(h))] = rootOf(mesh.target(h));
+      connected_.join(mesh.origin(h), mesh.target(h));
     }
   }
 
@@ -60,14 +59,15 @@ class NoiseFinder {
     }
     // Connected creases one after another.
     std::stable_sort(edges_.begin(), edges_.end(), [this](HalfEdgeId a, HalfEdgeId b) {
-      return rootOf(mesh_.origin(a)) < rootOf(mesh_.origin(b));
+      return connected_.rootOf(mesh_.origin(a)) < connected_.rootOf(mesh_.origin(b));
     });
     for (std::size_t first = 0; first < edges_.size();) {
-      const std::uint32_t root = rootOf(mesh_.origin(edges_[first]));
+      const std::uint32_t root = connected_.rootOf(mesh_.origin(edges_[first]));
       std::size_t past = first;
       double length = 0.0;
       bool hasLooseEnds = false;
-      for (; past < edges_.size() && rootOf(mesh_.origin(edges_[past])) == root; ++past) {
+      for (; past < edges_.size() && connected_.rootOf(mesh_.origin(edges_[past])) == root;
+           ++past) {
         const HalfEdgeId h = edges_[past];
         length += glm::distance(place(mesh_.origin(h)), place(mesh_.target(h)));
         hasLooseEnds = hasLooseEnds || isLoose(ends, h);
@@ -84,14 +84,6 @@ class NoiseFinder {
   }
 
  private:
-  std::uint32_t rootOf(std::uint32_t v) {
-    while (parents_[v] != v) {
-      parents_[v] = parents_[parents_[v]];
-      v = parents_[v];
-    }
-    return v;
-  }
-
   [[nodiscard]] glm::dvec3 place(std::uint32_t v) const { return glm::dvec3(positions_[v]); }
 
   [[nodiscard]] bool isLoose(std::span<const std::uint8_t> ends, HalfEdgeId h) const {
@@ -143,7 +135,7 @@ class NoiseFinder {
 
   const HalfEdgeMesh& mesh_;
   std::span<const glm::ivec3> positions_;
-  std::vector<std::uint32_t> parents_;  // vertices joined by creases, as a forest
+  DisjointSets connected_;              // vertices joined by creases
   std::vector<std::uint8_t> isCrease_;  // by half-edge
   std::vector<HalfEdgeId> edges_;       // one of each crease's half-edges
   double extent_ = 0.0;

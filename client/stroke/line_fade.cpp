@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/line_fade.h"
 
+#include "shared/core/disjoint_sets.h"
+
 #include <algorithm>
-#include <numeric>
 
 namespace limn {
 namespace {
@@ -38,30 +39,24 @@ std::vector<float> joinedExtents(const SpineSet& spines) {
     return a.at.x != b.at.x ? a.at.x < b.at.x
                             : (a.at.y != b.at.y ? a.at.y < b.at.y : a.spine < b.spine);
   });
-  std::vector<std::uint32_t> parent(spines.spines.size());
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto rootOf = [&](std::uint32_t i) {
-    while (parent[i] != i)
-      i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets lines(spines.spines.size());
   for (std::size_t i = 0; i < ends.size(); ++i) {
     for (std::size_t j = i + 1; j < ends.size() && ends[j].at.x - ends[i].at.x < kJoinPx; ++j) {
       if (isInner(spines.spines[ends[i].spine].kind) ==
               isInner(spines.spines[ends[j].spine].kind) &&
           glm::distance(ends[i].at, ends[j].at) < kJoinPx)
-        parent[rootOf(ends[j].spine)] = rootOf(ends[i].spine);
+        lines.join(ends[j].spine, ends[i].spine);
     }
   }
   std::vector<SpineSet::Spine> joined(spines.spines);
   for (std::uint32_t i = 0; i < joined.size(); ++i) {
-    SpineSet::Spine& root = joined[rootOf(i)];
+    SpineSet::Spine& root = joined[lines.rootOf(i)];
     root.low = glm::min(root.low, spines.spines[i].low);
     root.high = glm::max(root.high, spines.spines[i].high);
   }
   std::vector<float> extents(joined.size());
   for (std::uint32_t i = 0; i < extents.size(); ++i)
-    extents[i] = joined[rootOf(i)].extentPx();
+    extents[i] = joined[lines.rootOf(i)].extentPx();
   return extents;
 }
 

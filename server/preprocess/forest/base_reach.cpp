@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/preprocess/forest/base_reach.h"
 
+#include "shared/core/disjoint_sets.h"
 #include "shared/mesh/half_edge.h"
 
-#include <numeric>
 #include <vector>
 
 namespace limn {
@@ -21,23 +21,17 @@ MeshTopology topologyOf(const TriangleMesh& mesh) {
   const auto links = HalfEdgeMesh::build(vertices, mesh.triangles);
   if (!links) return topology;
 
-  std::vector<std::uint32_t> parent(vertices);
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto find = [&](std::uint32_t v) {
-    while (parent[v] != v)
-      v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  DisjointSets pieces(vertices);
   std::int64_t sides = 0;  // half-edges without twin
   std::vector<HalfEdgeId> borderFrom(vertices, kNone);
   for (HalfEdgeId h = 0; h < links->twins.size(); ++h) {
-    parent[find(links->origin(h))] = find(links->target(h));
+    pieces.join(links->origin(h), links->target(h));
     if (links->twin(h) != kNone) continue;
     ++sides;
     borderFrom[links->origin(h)] = h;
   }
   for (std::uint32_t v = 0; v < vertices; ++v)
-    topology.pieces += find(v) == v ? 1 : 0;
+    topology.pieces += pieces.rootOf(v) == v ? 1 : 0;
   // Of a border vertex of a manifold one border half-edge leaves.
   for (std::uint32_t v = 0; v < vertices; ++v) {
     if (borderFrom[v] == kNone) continue;

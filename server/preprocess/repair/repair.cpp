@@ -4,6 +4,7 @@
 #include "server/preprocess/repair/repair_steps.h"
 
 #include "shared/core/assert.h"
+#include "shared/core/disjoint_sets.h"
 #include "shared/mesh/half_edge.h"
 
 #include <algorithm>
@@ -75,26 +76,20 @@ InputShape measureInput(const ImportedMesh& input) {
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
     return a.edge != b.edge ? a.edge < b.edge : a.polygon < b.polygon;
   });
-  std::vector<std::uint32_t> parent(polygons);
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto find = [&](std::uint32_t p) {
-    while (parent[p] != p)
-      p = parent[p] = parent[parent[p]];
-    return p;
-  };
+  DisjointSets components(polygons);
   InputShape shape;
   shape.closed = !sides.empty();
   for (std::size_t first = 0; first < sides.size();) {
     std::size_t last = first + 1;
     while (last < sides.size() && sides[last].edge == sides[first].edge) {
-      parent[find(sides[last].polygon)] = find(sides[first].polygon);
+      components.join(sides[last].polygon, sides[first].polygon);
       ++last;
     }
     shape.closed = shape.closed && last - first > 1;
     first = last;
   }
   for (std::uint32_t p = 0; p < polygons; ++p)
-    shape.components += find(p) == p ? 1 : 0;
+    shape.components += components.rootOf(p) == p ? 1 : 0;
   return shape;
 }
 

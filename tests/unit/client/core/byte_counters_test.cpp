@@ -36,6 +36,10 @@ TEST(ByteCounters, PartsAddUpToReceived) {
   EXPECT_GT(bytes.packets, 0U);
   EXPECT_GT(bytes.seeds, 0U);
   EXPECT_GT(bytes.control, 0U);
+  const ByteCounters once = bytes;
+  bytes += once;
+  EXPECT_EQ(bytes.received, 2 * once.received);
+  EXPECT_EQ(sumOfParts(bytes), bytes.received);
 }
 
 TEST(ByteCounters, FrameHeadersAreThoseOfRfc6455) {
