@@ -60,7 +60,7 @@ class Crash(Case):
             self.assertEqual(server.terminate(), 0)
 
     def test_a_killed_preparation_leaves_no_half_asset(self):
-        source = write_obj(self.folder / "large.obj", LARGE)
+        source = write_obj(self.folder / "large.obj", torus(112, 56, 0.3))
         command = [BIN / "limn-prepare", source, "--store", self.store, "--name", "large"]
         started = time.monotonic()
         run(*map(str, ["limn-prepare", source, "--store", self.folder / "elsewhere", "--name", "large"]))
@@ -85,7 +85,7 @@ class Crash(Case):
         self.assertEqual(list((self.store / "tmp").iterdir()), [], "nothing is left over")
 
     def test_a_flipped_byte_in_any_file_is_noticed_and_the_asset_rebuilt(self):
-        source = write_obj(self.folder / "hills.obj", hills(60, 40))
+        source = write_obj(self.folder / "hills.obj", hills(24, 16))
         report, wanted = self.prepare(source, "hills")
         asset = self.store / "assets" / report["asset"]
         files = {f.name: f.read_bytes() for f in sorted(asset.iterdir())}
