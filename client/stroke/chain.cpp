@@ -9,7 +9,7 @@
 // then are lines read off, in arrays that fit a near cache.
 #include "client/stroke/chain.h"
 
-#include "shared/silhouette/simd.h"
+#include "shared/core/vector_code.h"
 #include "shared/silhouette/trace.h"
 
 #include <algorithm>
@@ -28,8 +28,7 @@ constexpr std::uint32_t kRead = kNone - 1;
 
 }  // namespace
 
-SilhouetteChainer::SilhouetteChainer(VectorCode most)
-    : vectorCode_(silhouette::chooseVectorCode(most)) {}
+SilhouetteChainer::SilhouetteChainer(VectorCode most) : vectorCode_(chooseVectorCode(most)) {}
 
 const PolylineSet& SilhouetteChainer::chain(
     const SilhouetteField& field,

@@ -4,6 +4,7 @@
 #include "client/stroke/chain_crossings.h"
 #include "client/stroke/polyline.h"
 
+#include "shared/core/vector_code.h"
 #include "shared/mesh/cracks.h"
 #include "shared/mesh/half_edge.h"
 #include "shared/silhouette/detector.h"

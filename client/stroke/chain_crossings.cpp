@@ -5,7 +5,7 @@
 // for ahead; nothing that cannot be foretold is a branch.
 #include "client/stroke/chain_crossings.h"
 
-#include "shared/silhouette/simd.h"
+#include "shared/core/simd.h"
 
 #include <algorithm>
 #include <array>
@@ -137,7 +137,7 @@ join(const Crossings& crossings, NearJoins& joins, EqualKeys equalKeys) {
   joins.unjoined.resize(left);
 }
 
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
 // By the sides of the corners: bytes of four words in the order of a Passage's, of the corners'.
 struct ShuffleTable {
   alignas(16) std::array<std::array<std::uint8_t, 16>, 8> bytes;
@@ -254,7 +254,7 @@ void nameCrossings(
       out.passages.data() + kNear,
       out.keys.data() + kNear,
       out.ends.data()};
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
   if (code != VectorCode::kPortable) {
     nameAvx2(naming, eye);
     return;
@@ -265,7 +265,7 @@ void nameCrossings(
 }
 
 void joinNear(const Crossings& crossings, VectorCode code, NearJoins& joins) {
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
   if (code == VectorCode::kAvx512) {
     joinAvx512(crossings, joins);
     return;

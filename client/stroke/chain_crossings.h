@@ -2,7 +2,7 @@
 #pragma once
 
 #include "shared/core/ids.h"
-#include "shared/silhouette/detector.h"
+#include "shared/core/vector_code.h"
 #include "shared/silhouette/field.h"
 
 #include <glm/glm.hpp>

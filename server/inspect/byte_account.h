@@ -5,7 +5,7 @@
 #include "server/store/asset_store.h"
 
 #include "shared/codec/attribute_codec.h"
-#include "shared/codec/split_codec.h"
+#include "shared/codec/split_bits.h"
 #include "shared/core/result.h"
 
 #include <cstdint>

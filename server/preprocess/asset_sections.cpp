@@ -8,6 +8,7 @@
 #include "shared/codec/attribute_codec.h"
 #include "shared/codec/seed_codec.h"
 #include "shared/codec/split_codec.h"
+#include "shared/codec/split_training.h"
 
 #include <algorithm>
 

@@ -4,8 +4,8 @@
 #include "shared/codec/attribute_codec.h"
 #include "shared/codec/bin_coder.h"
 #include "shared/codec/front_classes.h"
+#include "shared/codec/split_model.h"
 #include "shared/codec/split_symbols.h"
-#include "shared/codec/split_syntax.h"
 #include "shared/core/ids.h"
 #include "shared/core/result.h"
 #include "shared/progressive/active_mesh.h"
@@ -17,33 +17,6 @@
 #include <vector>
 
 namespace limn {
-
-/// What every run of one model starts from: probabilities of the split coder's contexts and weights
-/// of the predictions. All are universal but for what the model changes where that pays; the
-/// changes are sent once (ModelInfo.split_model). Packets carry no tables and no state: any packet
-/// decodes on any client that holds its prerequisites.
-struct SplitModel {
-  std::vector<Probability> probabilities;  // one a context of split_syntax.h
-  split_syntax::Weights weights{};         // of the position's prediction
-  Placement placement = Placement::kSubset;
-  split_syntax::MoveWeights moveWeights{};  // of the parent's, with Placement::kVolume
-};
-
-/// The universal model: the mean over some meshes (default_model.h). Cost: none after the first
-/// call.
-[[nodiscard]] const SplitModel& defaultSplitModel();
-
-/// A model's own probabilities, whatever they cost to send. For default_model.h and studies.
-[[nodiscard]] SplitModel measureSplitModel(const SplitForest& forest, const LevelFronts& fronts);
-
-/// The model to send for a forest. fronts: frontsOf(forest). Deterministic. Cost: O(splits).
-[[nodiscard]] SplitModel trainSplitModel(const SplitForest& forest, const LevelFronts& fronts);
-
-[[nodiscard]] std::vector<std::uint8_t> serializeSplitModel(const SplitModel& model);
-/// placement: the model's. Errors: kCorrupt.
-[[nodiscard]] Result<SplitModel> parseSplitModel(
-    std::span<const std::uint8_t> bytes,
-    Placement placement = Placement::kSubset);
 
 /// Codes splits for a client that holds (or gets in this run, before them) their prerequisites.
 /// ids: sorted, unique, none of the base. Pure; depends on nothing but its arguments, so equal
@@ -80,35 +53,6 @@ struct LevelRunHead {
 
 /// Nothing for any other bytes. Says nothing about what follows the head.
 [[nodiscard]] std::optional<LevelRunHead> levelRunHead(std::span<const std::uint8_t> bytes);
-
-/// What splits hold by kind of symbol, in bits (−Σ log₂ p).
-struct SplitBits {
-  double names = 0.0;  // which splits, and their parents
-  double cuts = 0.0;   // where the parents' rings open
-  double features = 0.0;
-  double positions = 0.0;
-  double moves = 0.0;  // where the parents go
-
-  SplitBits& operator+=(const SplitBits& other) {
-    names += other.names;
-    cuts += other.cuts;
-    features += other.features;
-    positions += other.positions;
-    moves += other.moves;
-    return *this;
-  }
-
-  [[nodiscard]] double total() const { return names + cuts + features + positions + moves; }
-};
-
-/// What encodeLevelRun(forest, model, fronts, begin, end) spends its bytes on: the run has
-/// total() / 8 of them, and at most 12 more for its head and the coder's end.
-[[nodiscard]] SplitBits measureLevelRun(
-    const SplitForest& forest,
-    const SplitModel& model,
-    const LevelFronts& fronts,
-    VertexId begin,
-    VertexId end);
 
 /// Decodes runs of one model.
 class SplitDecoder {

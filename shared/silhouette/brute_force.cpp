@@ -6,7 +6,7 @@
 // without a front face, and so needs no edge list. With AVX-512, sixteen faces at a time.
 #include "shared/silhouette/brute_force.h"
 
-#include "shared/silhouette/simd.h"
+#include "shared/core/simd.h"
 
 #include <bit>
 #include <cstring>
@@ -57,7 +57,7 @@ void classifyPortable(const Planes& planes, const glm::vec4& eye, std::uint8_t* 
   }
 }
 
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
 LIMN_TARGET_AVX2 inline std::uint32_t partnersInFrontAvx2(
     const std::uint32_t* partners,
     const std::uint8_t* front) {
@@ -94,7 +94,7 @@ classifyAvx2(const Planes& planes, const glm::vec4& eye, std::uint8_t* front) {
 }
 #endif
 
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
 LIMN_TARGET_AVX512 inline std::uint64_t partnersInFrontAvx512(
     const std::uint32_t* partners,
     const std::uint8_t* front) {
@@ -177,7 +177,7 @@ void searchPortable(
   search(kind, partners, front, result, partnersInFrontPortable);
 }
 
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
 // Two blocks at a time.
 LIMN_TARGET_AVX512 void searchAvx512(
     SilhouetteKind kind,
@@ -220,7 +220,7 @@ std::size_t roundUp(std::size_t n, std::size_t unit) {
 
 BruteForceDetector::BruteForceDetector(const SilhouetteField& field, const DetectorOptions& options)
     : field_(&field),
-      vectorCode_(silhouette::chooseVectorCode(options.vectorCode)) {
+      vectorCode_(chooseVectorCode(options.vectorCode)) {
   const HalfEdgeMesh& mesh = field.mesh();
   const std::size_t sites = roundUp(field.siteCount(), kMostLanes);
   for (std::size_t k = 0; k < 4; ++k) {
@@ -245,7 +245,7 @@ const SilhouetteResult& BruteForceDetector::detect(const SilhouetteView& view) {
   result_.kind = field_->kind();
   result_.edges.clear();
   result_.faces.clear();
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
   if (vectorCode_ == VectorCode::kAvx512) {
     classifyAvx512(planes_, eye, front_.data());
     searchAvx512(field_->kind(), partners_, front_.data(), result_);

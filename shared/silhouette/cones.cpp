@@ -6,8 +6,8 @@
 // table look-ups in that mask; planes in 16 bits, decided exactly where that does not suffice.
 #include "shared/silhouette/cones.h"
 
+#include "shared/core/vector_code.h"
 #include "shared/silhouette/cones_search.h"
-#include "shared/silhouette/simd.h"
 #include "shared/view/anchored_pyramid.h"
 
 #include <algorithm>
@@ -272,7 +272,7 @@ ConesDetector::ConesDetector(
     const DetectorOptions& options,
     Order order)
     : field_(&field),
-      vectorCode_(silhouette::chooseVectorCode(options.vectorCode)),
+      vectorCode_(chooseVectorCode(options.vectorCode)),
       order_(order),
       forest_(options.cones) {
   if (forest_ == nullptr || forest_->kind() != field.kind())
@@ -358,7 +358,7 @@ void ConesDetector::searchTree(const SilhouetteView& view, std::size_t index) {
   query.slack = PyramidSlack::kDistance * static_cast<float>(AnchoredPyramid::kScale) * reach;
   auto openLeaves = silhouette::openLeavesPortable;
   auto searchLeaves = silhouette::searchLeavesPortable;
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
   if (vectorCode_ != VectorCode::kPortable) openLeaves = silhouette::openLeavesAvx2;
   if (vectorCode_ == VectorCode::kAvx2) searchLeaves = silhouette::searchLeavesAvx2;
   if (vectorCode_ == VectorCode::kAvx512) searchLeaves = silhouette::searchLeavesAvx512;
@@ -395,7 +395,7 @@ void ConesDetector::searchTree(const SilhouetteView& view, std::size_t index) {
 void ConesDetector::openTree(const silhouette::Query& query) {
   const std::vector<std::vector<silhouette::Node>>& levels = query.tree->levels;
   auto openChildren = silhouette::openChildrenPortable;
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
   if (vectorCode_ != VectorCode::kPortable) openChildren = silhouette::openChildrenAvx2;
 #endif
   frontier_.count = 0;

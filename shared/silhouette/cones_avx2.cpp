@@ -4,7 +4,7 @@
 #include "shared/silhouette/cones_search.h"
 #include "shared/view/anchored_pyramid.h"
 
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
 
 namespace limn::silhouette {
 namespace {

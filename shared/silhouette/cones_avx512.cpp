@@ -3,7 +3,7 @@
 // it holds is packed and named without a loop. The same integers as in cones.cpp.
 #include "shared/silhouette/cones_search.h"
 
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
 
 namespace limn::silhouette {
 namespace {

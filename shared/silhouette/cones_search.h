@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/core/simd.h"
 #include "shared/silhouette/cones.h"
-#include "shared/silhouette/simd.h"
 
 #include <array>
 #include <bit>
@@ -61,7 +61,7 @@ void searchLeavesPortable(
     SilhouetteResult& result,
     std::span<std::uint8_t> hits);
 
-#if LIMN_SILHOUETTE_AVX2
+#if LIMN_HAS_AVX2
 void openChildrenAvx2(
     const Query& query,
     std::size_t level,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "shared/core/ids.h"
+#include "shared/core/vector_code.h"
 #include "shared/silhouette/field.h"
 #include "shared/silhouette/seed_table.h"
 
@@ -95,9 +96,6 @@ struct CoherenceOptions {
   DetectorMethod reseedWith = DetectorMethod::kBrute;  // or kRandom
   int longestHistory = 8;  // B: frames that a face stays a seed after its silhouette left, at most
 };
-
-/// Vector instructions, the lesser first.
-enum class VectorCode : std::uint8_t { kPortable, kAvx2, kAvx512 };
 
 struct DetectorOptions {
   /// kPrecomputed, kExact: seeds, and where the mesh holds their vertices (empty: slot = id).

@@ -15,6 +15,7 @@
 #include "shared/codec/draco_codec.h"
 #include "shared/codec/packet_encoder.h"
 #include "shared/codec/split_codec.h"
+#include "shared/codec/split_training.h"
 
 #include <algorithm>
 #include <array>

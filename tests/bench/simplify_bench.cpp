@@ -11,7 +11,9 @@
 
 #include "shared/codec/draco_codec.h"
 #include "shared/codec/front_classes.h"
+#include "shared/codec/split_bits.h"
 #include "shared/codec/split_codec.h"
+#include "shared/codec/split_training.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/codec/split_codec.h"
+#include "shared/codec/split_training.h"
 
 #include "server/preprocess/forest/build_forest.h"
 #include "tests/property/legal_order.h"
