@@ -95,10 +95,9 @@ LineFinder::LineFinder(
   detector_ = makeDetector(options.detector, field_, detector);
   const std::vector<std::uint8_t> features =
       withoutNoise(snapshot_->mesh.mesh(), snapshot_->mesh.positions(), snapshot_->mesh.features());
-  if (options.features.crease && options.silhouette == SilhouetteKind::kSmooth) {
-    creaseContours_.emplace(field_, features);
-  }
   Cracks cracks = findCracks(snapshot_->mesh.mesh(), snapshot_->mesh.positions());
+  if (options.features.crease && options.silhouette == SilhouetteKind::kSmooth)
+    creaseContours_.emplace(field_, features, cracks.parts);
   acrossCracks_ = std::move(cracks.across);
   const PolylineSet all = chainFeatures(
       snapshot_->mesh.mesh(),
@@ -158,7 +157,8 @@ void LineFinder::appendFeatures(
         const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
         const HalfEdgeId h = silhouettes.halfEdges[point];
         // A part of an edge is no reason to leave out the whole.
-        if (h == kNone || silhouettes.points[point] != glm::vec3(positions[mesh.origin(h)]) ||
+        if (h == kNone || mesh.twin(h) == kNone ||
+            silhouettes.points[point] != glm::vec3(positions[mesh.origin(h)]) ||
             silhouettes.points[next] != glm::vec3(positions[mesh.target(h)])) {
           continue;
         }

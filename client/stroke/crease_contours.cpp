@@ -14,6 +14,9 @@
 namespace limn {
 namespace {
 
+/// Pieces that a crack interrupts go on within this, grid units.
+constexpr float kCrackWidth = 3.0F;
+
 bool isCreaseAt(const HalfEdgeMesh& mesh, std::span<const std::uint8_t> features, HalfEdgeId h) {
   const HalfEdgeId twin = mesh.twins[h];
   return twin != kNone && ((features[h] | features[twin]) & kFeatureCrease) != 0;
@@ -31,10 +34,25 @@ void append(PolylineSet& set, const glm::vec3& point, HalfEdgeId h, FaceId f) {
 
 }  // namespace
 
-CreaseContours::CreaseContours(const SilhouetteField& field, std::span<const std::uint8_t> features)
+CreaseContours::CreaseContours(
+    const SilhouetteField& field,
+    std::span<const std::uint8_t> features,
+    std::span<const CrackPart> cracks)
     : field_(field) {
   const HalfEdgeMesh& mesh = field.mesh();
-  if (features.size() != mesh.origins.size() || field.kind() != SilhouetteKind::kSmooth) return;
+  if (field.kind() != SilhouetteKind::kSmooth) return;
+  sectors_ = mesh.origins;
+  isSharp_.assign(mesh.faceCount(), 0);
+  if (features.size() == mesh.origins.size()) divideAtCreases(features);
+  const auto sitesOf = [&](HalfEdgeId h) {
+    return std::array<std::uint32_t, 2>{sectors_[h], sectors_[HalfEdgeMesh::next(h)]};
+  };
+  for (const CrackPart& part : cracks)
+    cracks_.push_back({part, sitesOf(part.here), sitesOf(part.there)});
+}
+
+void CreaseContours::divideAtCreases(std::span<const std::uint8_t> features) {
+  const HalfEdgeMesh& mesh = field_.mesh();
   std::vector<std::uint8_t> isCrease(features.size(), 0);
   std::vector<std::uint8_t> creasesAt(mesh.vertexCount(), 0);
   bool hasCreases = false;
@@ -46,12 +64,10 @@ CreaseContours::CreaseContours(const SilhouetteField& field, std::span<const std
     hasCreases = true;
   }
   if (!hasCreases) return;
-  sectors_ = mesh.origins;
   for (std::uint32_t v = 0; v < mesh.vertexCount(); ++v) {
     // One crease alone divides a vertex only where a border does the rest.
     if (creasesAt[v] == 2 || (creasesAt[v] == 1 && mesh.isBorderVertex(v))) divide(v, isCrease);
   }
-  isSharp_.assign(mesh.faceCount(), 0);
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
     const std::array<std::uint32_t, 3> sites = {
         sectors_[3 * f],
@@ -180,6 +196,8 @@ void CreaseContours::findPieces() {
   }
   for (const Crease& crease : creases_)
     findOn(crease);
+  for (const CrackSites& crack : cracks_)
+    findOn(crack);
 }
 
 /// The parts of a crease whose sides face differently.
@@ -228,6 +246,63 @@ void CreaseContours::findOn(const Crease& crease) {
   }
 }
 
+/// The parts of a crack on whose other side the surface has turned away: of the two sides' parts
+/// only the front one's.
+void CreaseContours::findOn(const CrackSites& crack) {
+  const CrackPart& part = crack.part;
+  const std::array<float, 2> here = {valueOf(crack.here[0]), valueOf(crack.here[1])};
+  const std::array<float, 2> there = {valueOf(crack.there[0]), valueOf(crack.there[1])};
+  if ((!(here[0] > 0.0F) && !(here[1] > 0.0F)) || (there[0] > 0.0F && there[1] > 0.0F)) return;
+  const HalfEdgeMesh& mesh = field_.mesh();
+  const auto changeOf = [](const std::array<float, 2>& values) {
+    return (values[0] > 0.0F) == (values[1] > 0.0F) ? 2.0F : values[0] / (values[0] - values[1]);
+  };
+  const auto placeOf = [&](HalfEdgeId h, const std::array<float, 2>& values) {
+    const std::uint32_t from = mesh.origin(h);
+    const std::uint32_t to = mesh.target(h);
+    return values[0] > 0.0F ? crossing(from, values[0], to, values[1])
+                            : crossing(to, values[1], from, values[0]);
+  };
+
+  struct Change {
+    float t;  // along this side
+    glm::vec3 point;
+    bool isHere;
+  };
+
+  std::array<Change, 2> changes{};
+  std::size_t count = 0;
+  const float own = changeOf(here);
+  const float others = changeOf(there);
+  if (own > part.begin && own < part.end) changes[count++] = {own, placeOf(part.here, here), true};
+  if (others < part.beginThere && others > part.endThere) {
+    const float share = (part.beginThere - others) / (part.beginThere - part.endThere);
+    // To the point where the other side's own pieces end.
+    changes[count++] = {
+        part.begin + share * (part.end - part.begin),
+        placeOf(part.there, there),
+        false};
+  }
+  if (count == 2 && changes[1].t < changes[0].t) std::swap(changes[0], changes[1]);
+  bool isFrontHere = (part.begin < own ? here[0] : here[1]) > 0.0F;
+  bool isFrontThere = (part.beginThere > others ? there[1] : there[0]) > 0.0F;
+  const auto pointAt = [&](float t) {
+    const glm::ivec3& from = field_.positions()[mesh.origin(part.here)];
+    const glm::ivec3& to = field_.positions()[mesh.target(part.here)];
+    return t < 1.0F ? glm::vec3(from) + t * glm::vec3(to - from) : glm::vec3(to);
+  };
+  glm::vec3 begin = pointAt(part.begin);
+  for (std::size_t i = 0; i <= count; ++i) {
+    const glm::vec3 end = i < count ? changes[i].point : pointAt(part.end);
+    if (isFrontHere && !isFrontThere && begin != end)
+      pieces_.push_back({begin, end, part.here, HalfEdgeMesh::face(part.here), kNone});
+    if (i == count) break;
+    bool& side = changes[i].isHere ? isFrontHere : isFrontThere;
+    side = !side;
+    begin = end;
+  }
+}
+
 /// Each piece goes on with one that begins where it ends; the straightest first where several do.
 void CreaseContours::linkPieces() {
   const auto count = static_cast<std::uint32_t>(pieces_.size());
@@ -260,6 +335,37 @@ void CreaseContours::linkPieces() {
         best = cosine;
         next_[i] = *at;
       }
+    }
+    if (next_[i] != kNone) isContinued_[next_[i]] = 1;
+  }
+  if (!cracks_.empty()) linkAcrossCracks();
+}
+
+/// What ends on one side of a crack goes on with the nearest that begins on the other.
+void CreaseContours::linkAcrossCracks() {
+  order_.clear();
+  for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
+    if (isContinued_[i] == 0) order_.push_back(i);
+  }
+  std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::tuple(keyOf(pieces_[a].begin), a) < std::tuple(keyOf(pieces_[b].begin), b);
+  });
+  for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
+    if (next_[i] != kNone) continue;
+    const glm::vec3& end = pieces_[i].end;
+    auto at = std::lower_bound(
+        order_.begin(),
+        order_.end(),
+        end.x - kCrackWidth,
+        [&](std::uint32_t a, float x) { return pieces_[a].begin.x < x; });
+    float nearest = kCrackWidth;
+    for (; at != order_.end() && pieces_[*at].begin.x <= end.x + kCrackWidth; ++at) {
+      // A piece shorter than a crack is wide is no loop.
+      if (isContinued_[*at] != 0 || (*at == i && pieces_[i].line == kNone)) continue;
+      const float distance = glm::distance(pieces_[*at].begin, end);
+      if (distance > nearest) continue;
+      nearest = distance;
+      next_[i] = *at;
     }
     if (next_[i] != kNone) isContinued_[next_[i]] = 1;
   }

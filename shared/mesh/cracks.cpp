@@ -17,6 +17,9 @@ constexpr double kBackToBackDegrees = 150.0;
 /// Cells that one edge is entered in, at most: longer steps leave gaps that only miss cracks.
 constexpr int kMostCells = 64;
 
+/// Borders that lie along one another over less than this (grid units) only touch at their ends.
+constexpr double kLeastPart = 0.25;
+
 /// A border edge with its face.
 struct Border {
   HalfEdgeId edge = kNone;
@@ -63,6 +66,9 @@ class CrackSearch {
       if (side.crack == Crack::kCrease)
         out.across[borders_[i].edge] = HalfEdgeMesh::face(borders_[side.border].edge);
     }
+    for (std::uint32_t i = 0; i < borders_.size(); ++i) {
+      if (out.kinds[borders_[i].edge] == Crack::kInvisible) appendParts(i, out);
+    }
     return out;
   }
 
@@ -96,15 +102,19 @@ class CrackSearch {
            static_cast<std::uint64_t>(c.z) * 0x165667B19E3779F9ULL;
   }
 
+  /// visit(place) along a border, two in every cell.
+  template <class Visit>
+  void walk(const Border& border, Visit visit) const {
+    const int steps =
+        std::clamp(static_cast<int>(std::ceil(2.0 * border.length / cell_)), 1, kMostCells);
+    for (int k = 0; k <= steps; ++k)
+      visit(border.from + border.along * (double(k) / steps));
+  }
+
   /// Enters every border in the cells along it.
   void enter() {
-    for (std::uint32_t i = 0; i < borders_.size(); ++i) {
-      const Border& border = borders_[i];
-      const int steps =
-          std::clamp(static_cast<int>(std::ceil(2.0 * border.length / cell_)), 1, kMostCells);
-      for (int k = 0; k <= steps; ++k)
-        entries_.emplace_back(cellOf(border.from + border.along * (double(k) / steps)), i);
-    }
+    for (std::uint32_t i = 0; i < borders_.size(); ++i)
+      walk(borders_[i], [&](const glm::dvec3& p) { entries_.emplace_back(cellOf(p), i); });
     std::sort(entries_.begin(), entries_.end());
     entries_.erase(std::unique(entries_.begin(), entries_.end()), entries_.end());
   }
@@ -132,6 +142,17 @@ class CrackSearch {
   template <class Counts>
   [[nodiscard]] Side sideAt(std::uint32_t self, const glm::dvec3& p, Counts counts) const {
     Side best;
+    forNear(p, [&](std::uint32_t other) {
+      if (best.crack == Crack::kInvisible || other == self || !counts(other)) return;
+      const Crack crack = crackTo(borders_[self], borders_[other], p);
+      if (crack != Crack::kNot) best = {crack, other};
+    });
+    return best;
+  }
+
+  /// visit(border) for all in the cells around p.
+  template <class Visit>
+  void forNear(const glm::dvec3& p, Visit visit) const {
     for (int dx = -1; dx <= 1; ++dx) {
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dz = -1; dz <= 1; ++dz) {
@@ -140,16 +161,50 @@ class CrackSearch {
               entries_.begin(),
               entries_.end(),
               std::pair<std::uint64_t, std::uint32_t>(cell, 0));
-          for (; entry != entries_.end() && entry->first == cell; ++entry) {
-            if (entry->second == self || !counts(entry->second)) continue;
-            const Crack crack = crackTo(borders_[self], borders_[entry->second], p);
-            if (crack == Crack::kInvisible) return {crack, entry->second};
-            if (crack == Crack::kCrease) best = {crack, entry->second};
-          }
+          for (; entry != entries_.end() && entry->first == cell; ++entry)
+            visit(entry->second);
         }
       }
     }
-    return best;
+  }
+
+  /// Where others lie along border `self` and its surface goes on smoothly on theirs.
+  void appendParts(std::uint32_t self, Cracks& out) {
+    const Border& here = borders_[self];
+    others_.clear();
+    walk(here, [&](const glm::dvec3& p) {
+      forNear(p, [&](std::uint32_t other) {
+        if (other != self && out.kinds[borders_[other].edge] == Crack::kInvisible)
+          others_.push_back(other);
+      });
+    });
+    std::sort(others_.begin(), others_.end());
+    others_.erase(std::unique(others_.begin(), others_.end()), others_.end());
+    const auto shareOf = [](const Border& border, const glm::dvec3& p) {
+      return glm::dot(p - border.from, border.along) / (border.length * border.length);
+    };
+    for (const std::uint32_t other : others_) {
+      const Border& there = borders_[other];
+      // Borders that meet run against one another, as their faces lie on either side.
+      const double begin = std::max(0.0, shareOf(here, there.from + there.along));
+      const double end = std::min(1.0, shareOf(here, there.from));
+      if (!((end - begin) * here.length > kLeastPart)) continue;
+      const auto placeAt = [&](double t) { return here.from + t * here.along; };
+      if (crackTo(here, there, placeAt(begin)) != Crack::kInvisible ||
+          crackTo(here, there, placeAt(end)) != Crack::kInvisible) {
+        continue;
+      }
+      const auto shareThere = [&](double t) {
+        return static_cast<float>(std::clamp(shareOf(there, placeAt(t)), 0.0, 1.0));
+      };
+      out.parts.push_back(
+          {here.edge,
+           there.edge,
+           static_cast<float>(begin),
+           static_cast<float>(end),
+           shareThere(begin),
+           shareThere(end)});
+    }
   }
 
   [[nodiscard]] Crack crackTo(const Border& here, const Border& there, const glm::dvec3& p) const {
@@ -174,6 +229,7 @@ class CrackSearch {
   double cell_ = 1.0;
   std::vector<Border> borders_;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> entries_;  // cell, border; sorted
+  std::vector<std::uint32_t> others_;                             // of one border
 };
 
 }  // namespace

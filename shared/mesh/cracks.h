@@ -18,10 +18,22 @@ enum class Crack : std::uint8_t {
   kCrease,     // across it the surface goes on at an angle
 };
 
-/// One entry a half-edge.
+/// A part of an invisible crack: two borders along one another. Shares of their half-edges, from
+/// origin to target; `begin` below `end`.
+struct CrackPart {
+  HalfEdgeId here = kNone;
+  HalfEdgeId there = kNone;
+  float begin = 0.0F;
+  float end = 1.0F;
+  float beginThere = 1.0F;  // the same places on the other side
+  float endThere = 0.0F;
+};
+
 struct Cracks {
-  std::vector<Crack> kinds;
+  std::vector<Crack> kinds;    // one entry a half-edge
   std::vector<FaceId> across;  // of a crease: the face on the other side, at its middle; else kNone
+  /// Where the surface goes on smoothly, each part from either side.
+  std::vector<CrackPart> parts;
 };
 
 struct CrackOptions {

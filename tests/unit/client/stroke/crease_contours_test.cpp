@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace limn {
@@ -131,6 +133,80 @@ TEST(CreaseContours, LoopsCloseAndSegmentsGoOnFromOneAnother) {
         EXPECT_TRUE(line.closed) << sides << " sides, view " << k;
     }
   }
+}
+
+/// A closed shape in two halves that are not joined: what lies above z has vertices of its own, a
+/// grid unit aside, and in the middle of each second of its border edges.
+TriangleMesh cracked(const TriangleMesh& shape, int z) {
+  TriangleMesh mesh;
+  mesh.positions = shape.positions;
+  const auto isAbove = [&](const glm::uvec3& t) {
+    return shape.positions[t.x].z + shape.positions[t.y].z + shape.positions[t.z].z > 3 * z;
+  };
+  std::map<std::uint32_t, std::uint32_t> copies;
+  const auto copyOf = [&](std::uint32_t v) {
+    const auto [known, isNew] =
+        copies.try_emplace(v, static_cast<std::uint32_t>(mesh.positions.size()));
+    if (isNew) mesh.positions.push_back(shape.positions[v] + glm::ivec3(0, 0, 1));
+    return known->second;
+  };
+  const HalfEdgeMesh linked = link(shape);
+  for (FaceId f = 0; f < shape.triangles.size(); ++f) {
+    const glm::uvec3& t = shape.triangles[f];
+    if (!isAbove(t)) {
+      mesh.triangles.push_back(t);
+      continue;
+    }
+    std::array<std::uint32_t, 3> corners = {copyOf(t.x), copyOf(t.y), copyOf(t.z)};
+    HalfEdgeId split = kNone;
+    for (HalfEdgeId h = 3 * f; h < 3 * f + 3; ++h) {
+      const FaceId across = HalfEdgeMesh::face(linked.twin(h));
+      if (!isAbove(shape.triangles[across]) && across % 2 == 0) split = h - 3 * f;
+    }
+    if (split == kNone) {
+      mesh.triangles.emplace_back(corners[0], corners[1], corners[2]);
+      continue;
+    }
+    std::rotate(corners.begin(), corners.begin() + split, corners.end());
+    const auto middle = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.push_back((mesh.positions[corners[0]] + mesh.positions[corners[1]]) / 2);
+    mesh.triangles.emplace_back(corners[0], middle, corners[2]);
+    mesh.triangles.emplace_back(middle, corners[1], corners[2]);
+  }
+  return mesh;
+}
+
+TEST(CreaseContours, LoopsCloseAcrossCracks) {
+  const TriangleMesh whole = primitives::bumpySphere(3, 3);
+  glm::dvec3 center(0.0);
+  for (const glm::ivec3& p : whole.positions)
+    center += glm::dvec3(p) / static_cast<double>(whole.positions.size());
+  const TriangleMesh shape = cracked(whole, static_cast<int>(center.z));
+  const HalfEdgeMesh mesh = link(shape);
+  const Cracks cracks = findCracks(mesh, shape.positions);
+  ASSERT_GT(cracks.parts.size(), 20U);
+  const SilhouetteField field(mesh, shape.positions, SilhouetteKind::kSmooth);
+  const auto detector = makeDetector(DetectorMethod::kBrute, field);
+  const std::vector<std::uint8_t> none(mesh.origins.size(), 0);
+  CreaseContours contours(field, none, cracks.parts);
+  CreaseContours halves(field, none);
+  EXPECT_TRUE(halves.isEmpty());
+  SilhouetteChainer chainer;
+  std::size_t openHalves = 0;
+  for (int k = 0; k < 60; ++k) {
+    SilhouetteView view;
+    const double a = 0.7 * k;
+    view.eye = center + 60000.0 * glm::dvec3(std::cos(a), std::sin(a), 1.3 * std::sin(2.3 * a));
+    const SilhouetteResult& found = detector->detect(view);
+    for (const PolylineSet::Line& line : halves.chain(view, found, chainer).lines)
+      openHalves += line.closed ? 0 : 1;
+    const PolylineSet& lines = contours.chain(view, found, chainer);
+    for (const PolylineSet::Line& line : lines.lines)
+      EXPECT_TRUE(line.closed) << "view " << k << ", " << line.segmentCount() << " segments";
+    for (const HalfEdgeId h : lines.halfEdges)
+      EXPECT_TRUE(h == kNone || mesh.twin(h) == kNone);
+  }
+  EXPECT_GT(openHalves, 60U);
 }
 
 TEST(CreaseContours, AMeshWithoutCreasesIsLeftToTheChainer) {

@@ -47,6 +47,43 @@ TEST(Cracks, SheetsThatGoOnInOnePlaneHaveNoBorderBetweenThem) {
   EXPECT_EQ(cracks[1], Crack::kInvisible);  // from (1000, 0) to (1000, 800)
 }
 
+TEST(Cracks, PartsOfASmoothCrackCoverItFromEitherSide) {
+  Shape shape;
+  shape.addSheet({0, 0, 0}, {1000, 0, 0}, {0, 800, 0});
+  shape.addSheet({1001, 0, 0}, {500, 0, 0}, {0, 300, 0});
+  shape.addSheet({1001, 300, 1}, {500, 0, 0}, {0, 500, 0});
+  shape.addSheet({0, -1, 0}, {0, 0, -700}, {1000, 0, 0});  // at an angle: no part of it
+  const HalfEdgeMesh mesh = shape.link();
+  const Cracks found = findCracks(mesh, shape.positions);
+  ASSERT_EQ(found.parts.size(), 6U);
+  for (const CrackPart& part : found.parts) {
+    const auto placeOf = [&](HalfEdgeId h, float t) {
+      return glm::mix(
+          glm::dvec3(shape.positions[mesh.origin(h)]),
+          glm::dvec3(shape.positions[mesh.target(h)]),
+          double{t});
+    };
+    EXPECT_EQ(mesh.twin(part.here), kNone);
+    EXPECT_LT(part.begin, part.end);
+    EXPECT_LT(
+        glm::distance(placeOf(part.here, part.begin), placeOf(part.there, part.beginThere)),
+        2.0);
+    EXPECT_LT(glm::distance(placeOf(part.here, part.end), placeOf(part.there, part.endThere)), 2.0);
+    EXPECT_EQ(
+        std::ranges::count_if(
+            found.parts,
+            [&](const CrackPart& other) {
+              return other.here == part.there && other.there == part.here;
+            }),
+        1);
+  }
+  // The large sheet's side is covered by the two small ones, one after the other.
+  float covered = 0.0F;
+  for (const CrackPart& part : found.parts)
+    covered += part.here == 1 ? part.end - part.begin : 0.0F;
+  EXPECT_NEAR(covered, 1.0F, 1e-5F);
+}
+
 TEST(Cracks, SheetsThatMeetAtAnAngleHaveOneCreaseBetweenThem) {
   Shape shape;
   shape.addSheet({0, 0, 0}, {1000, 0, 0}, {0, 800, 0});
