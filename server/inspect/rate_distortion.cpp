@@ -111,14 +111,11 @@ std::vector<std::uint64_t> startSet(const SplitForest& forest, std::size_t block
 
 std::vector<VertexId> idsOf(const TargetSet& target) {
   std::vector<VertexId> ids;
-  for (const auto& words : target.classes) {
-    for (std::size_t w = 0; w < words.size(); ++w) {
-      for (std::uint64_t bits = words[w]; bits != 0; bits &= bits - 1)
-        ids.push_back(
-            static_cast<VertexId>(64 * w) + static_cast<VertexId>(std::countr_zero(bits)));
-    }
+  const auto& words = target.all();
+  for (std::size_t w = 0; w < words.size(); ++w) {
+    for (std::uint64_t bits = words[w]; bits != 0; bits &= bits - 1)
+      ids.push_back(static_cast<VertexId>(64 * w) + static_cast<VertexId>(std::countr_zero(bits)));
   }
-  std::ranges::sort(ids);
   return ids;
 }
 

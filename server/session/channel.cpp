@@ -13,6 +13,8 @@ namespace {
 
 /// How closely the way ahead is looked at: a cell is passed in about 0.4 s at 15 degrees a second.
 constexpr std::int64_t kAheadStepMs = 150;
+/// How often, while nothing was missing there.
+constexpr std::int64_t kAheadLookMs = 250;
 constexpr double kPoseBurst = 16.0;  // poses that a network brings at once
 /// What is only prefetched leaves this much of a client's room free, in quarters.
 constexpr std::uint32_t kAheadQuarters = 3;
@@ -26,7 +28,9 @@ Channel::Channel(Request request, std::uint32_t vertexCount, const SessionOption
       have_(vertexCount),
       rng_(options.randomSeed.value_or(0)),
       awaitingHaveSet_(request_.resume),
-      poseRate_(options.posesPerSecond, kPoseBurst) {}
+      poseRate_(options.posesPerSecond, kPoseBurst) {
+  allHeld_.fill(kNoCell);
+}
 
 Result<void> Channel::setModel(std::shared_ptr<const Model> model) {
   if (model->forest().vertexCount() != have_.vertexCount()) {
@@ -35,7 +39,6 @@ Result<void> Channel::setModel(std::shared_ptr<const Model> model) {
     if (resumeAsset_) return fail(ErrorCode::kCorrupt, "the model has changed");
   }
   model_ = std::move(model);
-  noteInView();
   return resumeEnded_ ? finishResume() : Result<void>{};
 }
 
@@ -111,8 +114,8 @@ void Channel::take(const protocol::Pose& pose, ViewCells& cells, std::int64_t no
   if (same) return;
   poseAtMs_ = nowMs;
   motion_.add(pose, nowMs);
-  aheadStep_ = 0;
-  noteInView();
+  aheadStep_ = -1;
+  poseCell_ = kNoCell;
   poseHasOwnSet_ = false;
   satisfied_ = false;
   prefetching_ = false;
@@ -124,9 +127,10 @@ void Channel::take(const protocol::Pose& pose, ViewCells& cells, std::int64_t no
   pendingPlan_ = Plan::kCell;
   if (jumped_) {
     // Far from where the last set was for: nothing is better than what it would bring.
-    plan_ = Plan::kNothing;
-    target_ = nullptr;
+    adopt(Plan::kNothing, nullptr);
     pending_ = nullptr;
+    if (model_ && pose.goal != protocol::Goal::kComplete)
+      jumped_ = cells.mayJump(*model_, pose, nowMs);
   }
   static_cast<void>(steer(cells, nowMs));
 }
@@ -155,7 +159,9 @@ Result<void> Channel::drop(protocol::Bytes ids) {
   full_ = false;
   fullSent_ = false;
   aheadCursor_ = {};
-  allHeld_ = {};
+  aheadStep_ = -1;
+  wayEnd_ = kNoCell;
+  allHeld_.fill(kNoCell);
   // It is short of memory: what it does not need it would only drop again.
   options_.prefetchAfterMs = -1;
   if (prefetching_) adopt(Plan::kNothing, nullptr);
@@ -165,12 +171,11 @@ Result<void> Channel::drop(protocol::Bytes ids) {
   return {};
 }
 
-void Channel::noteInView() {
-  if (!model_ || !pose_) return;
+bool Channel::isInView() const {
+  if (!pose_) return true;
   const protocol::ModelInfo& info = model_->info();
   const View view = viewOfPose(*pose_, model_->forest().grid);
-  inView_ =
-      view.maySee((info.center - info.gridOrigin) / info.gridStep, info.radius / info.gridStep);
+  return view.maySee((info.center - info.gridOrigin) / info.gridStep, info.radius / info.gridStep);
 }
 
 std::uint32_t Channel::roomFor(std::uint32_t quarters) const {
@@ -186,24 +191,23 @@ std::uint32_t Channel::missing() const {
   return missingOf(*target_, have_);
 }
 
-void Channel::adopt(Plan plan, std::shared_ptr<const TargetSet> target) {
+void Channel::adopt(Plan plan, std::shared_ptr<const TargetSet> target, ViewCell cell) {
   plan_ = plan;
   target_ = std::move(target);
+  targetCell_ = cell;
   cursor_ = {};
-  exhausted_ = plan == Plan::kCell && isAllHeld(target_);
+  exhausted_ = plan == Plan::kCell && isAllHeld(cell);
   full_ = false;
 }
 
-void Channel::noteAllHeld(const std::shared_ptr<const TargetSet>& target) {
-  if (!target || isAllHeld(target)) return;
-  allHeld_[nextAllHeld_] = target;
+void Channel::noteAllHeld(ViewCell cell) {
+  if (cell == kNoCell || isAllHeld(cell)) return;
+  allHeld_[nextAllHeld_] = cell;
   nextAllHeld_ = (nextAllHeld_ + 1) % allHeld_.size();
 }
 
-bool Channel::isAllHeld(const std::shared_ptr<const TargetSet>& target) const {
-  return std::ranges::any_of(allHeld_, [&](const auto& held) {
-    return !held.expired() && !held.owner_before(target) && !target.owner_before(held);
-  });
+bool Channel::isAllHeld(ViewCell cell) const {
+  return cell != kNoCell && std::ranges::find(allHeld_, cell) != allHeld_.end();
 }
 
 /// What is held once base and level blocks are sent.
@@ -226,16 +230,19 @@ HaveSet Channel::haveAfterStart() const {
 /// Goes on with what has been computed. True when there was something.
 bool Channel::adoptPending() {
   if (!pending_ || !pending_->set) return false;
-  adopt(pendingPlan_, pending_->set);
+  adopt(pendingPlan_, pending_->set, pendingCell_);
   pending_ = nullptr;
   return true;
 }
 
-bool Channel::isLively() const {
-  if (loading() || heldPose_ || pending_ || contour_ || contourWanted_ || contourFailed_)
-    return true;
-  if (!pose_ || awaitingHaveSet_ || plan_ == Plan::kEverything) return false;
-  return !poseHasOwnSet_;
+std::optional<std::int64_t> Channel::dueMs() const {
+  if (loading() || heldPose_ || pending_ || cellRefused_ || aheadAsked_ || contour_ ||
+      contourWanted_ || contourFailed_) {
+    return 0;
+  }
+  if (!pose_ || awaitingHaveSet_ || plan_ == Plan::kEverything || poseHasOwnSet_)
+    return std::nullopt;
+  return jumped_ ? 0 : poseAtMs_ + options_.restMs;
 }
 
 bool Channel::mayPrefetch(std::int64_t nowMs) const {
@@ -256,6 +263,7 @@ bool Channel::planIsFinal() const {
 
 /// Chooses the plan for the current pose at this moment. True when it changed.
 bool Channel::steer(ViewCells& cells, std::int64_t nowMs) {
+  cellRefused_ = false;
   if (!model_ || !pose_ || awaitingHaveSet_) return false;
   bool changed = adoptPending();
   if (options_.randomSeed || pose_->goal == protocol::Goal::kComplete || have_.complete()) {
@@ -278,6 +286,7 @@ bool Channel::steer(ViewCells& cells, std::int64_t nowMs) {
           exact ? ViewCells::Need::kExact : ViewCells::Need::kSettled,
           haveAfterStart());
       pendingPlan_ = exact ? Plan::kPoseExact : Plan::kPoseSettled;
+      pendingCell_ = kNoCell;
       poseHasOwnSet_ = pending_ != nullptr;
       changed = adoptPending() || changed;
     }
@@ -285,35 +294,53 @@ bool Channel::steer(ViewCells& cells, std::int64_t nowMs) {
   }
   // One on its way at a time, so that a camera faster than the workers still gets some of its sets.
   if (pending_) return changed;
-  const ViewCells::Ticket cell = cells.cell(model_, *pose_);
-  if (cell && cell->set) {
-    if (cell->set != target_) {
-      adopt(Plan::kCell, cell->set);
-      changed = true;
-    }
-  } else if (cell) {
-    pending_ = cell;
-    pendingPlan_ = Plan::kCell;
-  }
-  return changed;
+  if (poseCell_ == kNoCell) poseCell_ = viewCellOf(*pose_, model_->info());
+  if (poseCell_ == targetCell_) return changed;
+  const ViewCells::Ticket cell = cells.cell(model_, poseCell_);
+  cellRefused_ = cell == nullptr;
+  if (!cell) return changed;
+  pending_ = cell;
+  pendingPlan_ = Plan::kCell;
+  pendingCell_ = poseCell_;
+  return adoptPending() || changed;
 }
 
 bool Channel::lookAhead(ViewCells& cells, std::int64_t nowMs) {
+  aheadAsked_ = false;
   if (!model_ || !pose_ || plan_ != Plan::kCell || !exhausted_ || jumped_ || resting(nowMs) ||
       !aheadExhausted_ || full_ || roomFor(kAheadQuarters) == 0) {
     return false;
   }
-  while ((aheadStep_ + 1) * kAheadStepMs <= options_.aheadMs) {
-    const auto pose = motion_.at((aheadStep_ + 1) * kAheadStepMs);
-    if (!pose) return false;
-    const ViewCells::Ticket cell = cells.cell(model_, *pose);
-    if (!cell || !cell->set) return false;  // asked for; the next update looks again
-    ++aheadStep_;
-    if (cell->set == target_ || isAllHeld(cell->set)) continue;
-    ahead_ = cell->set;
-    aheadCursor_ = {};
-    aheadExhausted_ = false;
-    return true;
+  const auto cellIn = [this](std::int64_t aheadMs) {
+    const auto pose = motion_.at(aheadMs);
+    return pose ? viewCellOf(*pose, model_->info()) : kNoCell;
+  };
+  if (aheadStep_ < 0) {
+    const std::int64_t sinceMs = poseAtMs_ - wayAtMs_;
+    const bool isKnown = wayEnd_ != kNoCell && sinceMs < options_.aheadMs;
+    if (isKnown && sinceMs < kAheadLookMs) return false;
+    // Who goes on as before passes where the last way ended: what comes after that is new.
+    const bool goesOn = isKnown && cellIn(options_.aheadMs - sinceMs) == wayEnd_;
+    aheadStep_ = goesOn ? (options_.aheadMs - sinceMs) / kAheadStepMs : 0;
+  }
+  const std::int64_t steps = options_.aheadMs / kAheadStepMs;
+  while (aheadStep_ < steps) {
+    const ViewCell cell = cellIn((aheadStep_ + 1) * kAheadStepMs);
+    if (cell == kNoCell) return false;
+    if (cell != targetCell_ && !isAllHeld(cell)) {
+      const ViewCells::Ticket ticket = cells.cell(model_, cell);
+      aheadAsked_ = !ticket || !ticket->set;
+      if (aheadAsked_) return false;  // the next update looks again
+      ahead_ = ticket->set;
+      aheadCell_ = cell;
+      aheadCursor_ = {};
+      aheadExhausted_ = false;
+    }
+    if (++aheadStep_ == steps) {
+      wayEnd_ = cell;
+      wayAtMs_ = poseAtMs_;
+    }
+    if (!aheadExhausted_) return true;
   }
   return false;
 }
@@ -365,7 +392,7 @@ std::optional<OutMessage> Channel::nextControl() {
 
 Urgency Channel::urgency() const {
   if (!model_ || !infoSent_ || awaitingHaveSet_) return Urgency::kNothing;
-  if (!baseSent_ || !blocksDone_) return inView_ ? Urgency::kPicture : Urgency::kOutOfView;
+  if (!baseSent_ || !blocksDone_) return isInView() ? Urgency::kPicture : Urgency::kOutOfView;
   if (hulls_.isPending()) return Urgency::kHull;
   if (contour_ && contour_->done) return Urgency::kContour;
   if (!pose_ || plan_ == Plan::kNothing) return Urgency::kNothing;
@@ -557,15 +584,18 @@ std::optional<OutMessage> Channel::nextNeeded(const Window& window) {
     return packetOf(*run);
   }
   // With no room left it still matters whether anything is missing.
-  const std::vector<VertexId> ids =
-      choose(std::max<std::size_t>(std::min(splitsAPacket(), room), 1));
-  if (ids.empty()) {
-    exhausted_ = true;
-    if (!options_.randomSeed) noteAllHeld(target_);
-    return std::nullopt;
-  }
+  const std::size_t most = std::max<std::size_t>(std::min(splitsAPacket(), room), 1);
+  const std::vector<VertexId> ids = choose(most);
   if (ids.size() > room) {
     full_ = true;
+    return std::nullopt;
+  }
+  if (ids.size() < most && plan_ == Plan::kCell) {
+    exhausted_ = true;
+    noteAllHeld(targetCell_);
+  }
+  if (ids.empty()) {
+    exhausted_ = true;
     return std::nullopt;
   }
   return packetOf(ids);
@@ -575,13 +605,11 @@ std::optional<OutMessage> Channel::nextAhead(const Window& window) {
   // Half of the window stays free for what the next pose needs.
   if (!window.allows(window.limitBytes() / 2 + options_.packetBytes)) return std::nullopt;
   const std::size_t room = roomFor(kAheadQuarters);
-  const std::vector<VertexId> ids =
-      nextSplits(*ahead_, have_, std::min(splitsAPacket(), room), aheadCursor_);
-  if (ids.empty()) {
-    aheadExhausted_ = true;
-    if (room > 0) noteAllHeld(ahead_);
-    return std::nullopt;
-  }
+  const std::size_t most = std::min(splitsAPacket(), room);
+  const std::vector<VertexId> ids = nextSplits(*ahead_, have_, most, aheadCursor_);
+  if (ids.size() < most) noteAllHeld(aheadCell_);
+  aheadExhausted_ = ids.size() < most || ids.empty();
+  if (ids.empty()) return std::nullopt;
   return packetOf(ids);
 }
 

@@ -115,8 +115,9 @@ class Channel {
   /// Takes in finished target sets and the passing of time. True when there may be more to send.
   [[nodiscard]] bool update(ViewCells& cells, std::int64_t nowMs);
 
-  /// Whether update() may soon have something to do though nothing comes from the client.
-  [[nodiscard]] bool isLively() const;
+  /// When update() may next have something to do though nothing comes from the client; in the past:
+  /// as soon as any background work is done. nullopt: not before the next pose.
+  [[nodiscard]] std::optional<std::int64_t> dueMs() const;
 
   /// Whether there is time for what the pose does not need.
   [[nodiscard]] bool mayPrefetch(std::int64_t nowMs) const;
@@ -167,12 +168,12 @@ class Channel {
   [[nodiscard]] bool resting(std::int64_t nowMs) const;
   [[nodiscard]] HaveSet haveAfterStart() const;
   [[nodiscard]] bool planIsFinal() const;
-  void adopt(Plan plan, std::shared_ptr<const TargetSet> target);
+  void adopt(Plan plan, std::shared_ptr<const TargetSet> target, ViewCell cell = kNoCell);
   bool adoptPending();
   bool steer(ViewCells& cells, std::int64_t nowMs);
-  void noteInView();
-  void noteAllHeld(const std::shared_ptr<const TargetSet>& target);
-  [[nodiscard]] bool isAllHeld(const std::shared_ptr<const TargetSet>& target) const;
+  [[nodiscard]] bool isInView() const;
+  void noteAllHeld(ViewCell cell);
+  [[nodiscard]] bool isAllHeld(ViewCell cell) const;
   /// Splits that the client still has room for, of `share` quarters of its limit.
   [[nodiscard]] std::uint32_t roomFor(std::uint32_t share) const;
   [[nodiscard]] std::uint32_t missing() const;
@@ -231,13 +232,16 @@ class Channel {
   RateLimit poseRate_;
   std::optional<protocol::Pose> pose_;
   std::int64_t poseAtMs_ = 0;
-  bool inView_ = true;
-  bool jumped_ = false;         // the pose came after a rest: its own set at once, no cell
-  bool poseHasOwnSet_ = false;  // pending_ or target_ is the current pose's own
+  ViewCell poseCell_ = kNoCell;  // once it was looked for
+  bool jumped_ = false;          // the pose came after a rest: its own set at once, no cell
+  bool poseHasOwnSet_ = false;   // pending_ or target_ is the current pose's own
   Plan plan_ = Plan::kNothing;
   std::shared_ptr<const TargetSet> target_;
+  ViewCell targetCell_ = kNoCell;  // whose set that is
   ViewCells::Ticket pending_;
   Plan pendingPlan_ = Plan::kNothing;
+  ViewCell pendingCell_ = kNoCell;
+  bool cellRefused_ = false;  // too many are on their way: to be asked again
   ScheduleCursor cursor_;
   bool exhausted_ = false;  // nothing of plan_ is missing
   bool satisfied_ = false;  // nothing that the pose's goal needs is missing
@@ -254,12 +258,16 @@ class Channel {
   // Where the camera is going.
   Motion motion_;
   std::shared_ptr<const TargetSet> ahead_;  // of a cell on the way
+  ViewCell aheadCell_ = kNoCell;
   ScheduleCursor aheadCursor_;
   bool aheadExhausted_ = true;
-  std::int64_t aheadStep_ = 0;  // how far along the way that is
-  // Sets of which nothing is missing, the latest few, a ring: cells on the way are met again with
-  // every pose. Weak, so that the cache of cells decides what stays in memory.
-  std::array<std::weak_ptr<const TargetSet>, 8> allHeld_;
+  bool aheadAsked_ = false;      // the next cell on the way is not there yet
+  std::int64_t aheadStep_ = -1;  // how far along the pose's way that is; -1: not looked at
+  ViewCell wayEnd_ = kNoCell;    // of the last way that was followed to its end
+  std::int64_t wayAtMs_ = 0;     // from where the camera was then
+  // Cells of which nothing is missing, the latest few, a ring: those on the way are met again with
+  // every pose.
+  std::array<ViewCell, 8> allHeld_{};
   std::size_t nextAllHeld_ = 0;
 };
 

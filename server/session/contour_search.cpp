@@ -366,9 +366,9 @@ bool ContourSearch::pruneRound(double part) {
   return false;
 }
 
-bool ContourSearch::run() {
+bool ContourSearch::run(const std::function<bool()>& isUnwanted) {
   while (!satisfied() && rounds_ < options_.maxRounds) {
-    if (!addRound()) break;
+    if (isUnwanted() || !addRound()) break;
     compare();
     noteDetail();
     ++rounds_;
@@ -376,6 +376,7 @@ bool ContourSearch::run() {
   if (!satisfied()) return false;
   double part = 0.5;
   for (int round = 0; round < options_.pruneRounds && part > 0.02; ++round, ++rounds_) {
+    if (isUnwanted()) break;
     if (!pruneRound(part)) part *= 0.5;
   }
   return true;

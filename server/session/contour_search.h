@@ -12,6 +12,7 @@
 #include "shared/silhouette/visible_contour.h"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -62,9 +63,10 @@ class ContourSearch {
       std::span<const std::uint64_t> have,
       const ContourSearchOptions& options = {});
 
-  /// Searches to the end. True when both contours are within the bound. Cost: up to
-  /// maxRounds + pruneRounds times O(client's mesh + pixels).
-  bool run();
+  /// Searches to the end, or until nobody wants it any longer, which is asked before each round.
+  /// True when both contours are within the bound. Cost: up to maxRounds + pruneRounds times
+  /// O(client's mesh + pixels).
+  bool run(const std::function<bool()>& isUnwanted = [] { return false; });
 
   /// What was found, besides what the client held: closed, of one class.
   [[nodiscard]] TargetSet target() const;

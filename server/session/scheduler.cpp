@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <set>
+#include <span>
 
 namespace limn {
 namespace {
@@ -23,6 +24,24 @@ bool appendBits(
   return false;
 }
 
+/// The first word from `word` on in which something wanted is missing; wanted.size(): none.
+std::size_t nextMissing(
+    std::span<const std::uint64_t> wanted,
+    std::span<const std::uint64_t> held,
+    std::size_t word) {
+  // Eight at a time, without a branch, since mostly nothing is.
+  constexpr std::size_t kBlock = 8;
+  for (; word + kBlock <= wanted.size(); word += kBlock) {
+    std::uint64_t any = 0;
+    for (std::size_t i = 0; i < kBlock; ++i)
+      any |= wanted[word + i] & ~held[word + i];
+    if (any != 0) break;
+  }
+  while (word < wanted.size() && (wanted[word] & ~held[word]) == 0)
+    ++word;
+  return word;
+}
+
 }  // namespace
 
 std::vector<VertexId> nextSplits(
@@ -30,17 +49,31 @@ std::vector<VertexId> nextSplits(
     const HaveSet& have,
     std::size_t maxSplits,
     ScheduleCursor& cursor) {
+  if (cursor.targetClass >= target.classes.size()) return {};
+  const std::span<const std::uint64_t> held = have.words();
+  const std::span<const std::uint64_t> all = target.all();
   std::vector<VertexId> ids;
-  ids.reserve(std::min<std::size_t>(maxSplits, 256));
-  const auto held = have.words();
-  std::size_t word = cursor.word;
+  // Mostly little is missing, and then it comes at once, of whatever class. One more tells.
+  std::size_t word = target.classes.size() == 1 ? cursor.word : 0;
+  while ((word = nextMissing(all, held, word)) < all.size()) {
+    if (appendBits(all[word] & ~held[word], word, maxSplits + 1, ids)) break;
+    ++word;
+  }
+  if (ids.size() <= maxSplits) {
+    if (ids.empty()) cursor = {target.classes.size(), 0};
+    return ids;
+  }
+  ids.clear();
+  word = cursor.word;
   bool passing = true;  // nothing found yet: the cursor may move along
   bool full = false;
   for (std::size_t c = cursor.targetClass; c < target.classes.size() && !full; ++c, word = 0) {
-    const auto& wanted = target.classes[c];
+    const std::vector<std::uint64_t>& wanted = target.classes[c];
     const auto before = static_cast<std::ptrdiff_t>(ids.size());
     for (; word < wanted.size() && !full; ++word) {
-      const std::uint64_t missing = wanted[word] & ~held[word];
+      // What classes before have is held, or chosen above.
+      const std::uint64_t earlier = c == 0 ? 0 : target.classes[c - 1][word];
+      const std::uint64_t missing = wanted[word] & ~earlier & ~held[word];
       if (missing == 0) continue;
       if (passing) cursor = {c, word};
       passing = false;
@@ -48,17 +81,14 @@ std::vector<VertexId> nextSplits(
     }
     std::ranges::inplace_merge(ids, ids.begin() + before);
   }
-  if (passing) cursor = {target.classes.size(), 0};
   return ids;
 }
 
 std::uint32_t missingOf(const TargetSet& target, const HaveSet& have) {
   const auto held = have.words();
   std::uint32_t count = 0;
-  for (const auto& wanted : target.classes) {
-    for (std::size_t word = 0; word < wanted.size(); ++word)
-      count += static_cast<std::uint32_t>(std::popcount(wanted[word] & ~held[word]));
-  }
+  for (std::size_t word = 0; word < held.size(); ++word)
+    count += static_cast<std::uint32_t>(std::popcount(target.all()[word] & ~held[word]));
   return count;
 }
 

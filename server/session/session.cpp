@@ -268,6 +268,14 @@ void Session::update(std::int64_t nowMs) {
   if (more) peer_.wantWrite();
 }
 
+std::optional<std::int64_t> Session::dueMs() const {
+  std::optional<std::int64_t> first;
+  for (const auto& channel : channels_) {
+    if (const auto due = channel->dueMs()) first = std::min(first.value_or(*due), *due);
+  }
+  return first;
+}
+
 std::optional<OutMessage> Session::nextMessage(std::int64_t nowMs) {
   nowMs_ = nowMs;
   OutMessage out;

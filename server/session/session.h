@@ -10,7 +10,6 @@
 
 #include "protocol/messages.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -52,15 +51,14 @@ class Session {
 
   /// One message of the client. Answers come through nextMessage().
   void receive(protocol::Bytes message, std::int64_t nowMs);
-  /// To be called about once a second; while isLively(), a few times a second, and after finished
-  /// background work.
+  /// To be called about once a second, and soon after dueMs(); where that is in the past also after
+  /// finished background work.
   void update(std::int64_t nowMs);
 
-  /// Whether there may be something to do soon though nothing comes from the client: it waits for
-  /// background work, or for its pose to be at rest. Changes with every other call.
-  [[nodiscard]] bool isLively() const {
-    return std::ranges::any_of(channels_, [](const auto& c) { return c->isLively(); });
-  }
+  /// When there may next be something to do though nothing comes from the client: its pose is at
+  /// rest then; in the past: it waits for background work. nullopt: no such time. Changes with
+  /// every other call.
+  [[nodiscard]] std::optional<std::int64_t> dueMs() const;
 
   /// The next message to write, if there is one now. Messages are made here, not before, so they
   /// are for the newest pose.

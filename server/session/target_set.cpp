@@ -152,6 +152,10 @@ TargetSet targetSetOf(
     const std::size_t v = base + s;
     set.classes[classes[s]][v / 64] |= std::uint64_t{1} << (v % 64);
   }
+  for (std::size_t c = 1; c < classCount; ++c) {
+    for (std::size_t word = 0; word < words; ++word)
+      set.classes[c][word] |= set.classes[c - 1][word];
+  }
   return set;
 }
 

@@ -24,10 +24,13 @@ enum TargetClass : std::uint8_t {
 inline constexpr std::size_t kSettledClasses = 4;
 
 /// The splits that a view needs, closed under prerequisites: a bit mask over vertex ids a class,
-/// each id in one class at most. Ordered by class, then by id, every prefix is closed:
-/// prerequisites have smaller ids and no later class. Constant; shared by sessions and threads.
+/// which has what the classes before it have too; the last is all. Ordered by class, then by id,
+/// every prefix is closed: prerequisites have smaller ids and no later class. Constant; shared by
+/// sessions and threads.
 struct TargetSet {
-  std::vector<std::vector<std::uint64_t>> classes;  // words as in HaveSet
+  std::vector<std::vector<std::uint64_t>> classes;  // words as in HaveSet; at least one
+
+  [[nodiscard]] const std::vector<std::uint64_t>& all() const { return classes.back(); }
 
   [[nodiscard]] std::size_t bytes() const {
     std::size_t sum = sizeof(TargetSet);

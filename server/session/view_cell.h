@@ -10,12 +10,12 @@
 
 namespace limn {
 
-/// A cell of view space [Hoppe97's view-orthogonal cells, on the view sphere of Mohr13]: poses that
-/// need about the same splits. `view` stands for all of them.
-struct ViewCell {
-  std::uint64_t key = 0;  // equal keys: equal views
-  View view;              // seen from the middle of the cell
-};
+/// A cell of view space [Hoppe97's view-orthogonal cells, on the view sphere of Mohr13]: poses of a
+/// model that need about the same splits, as a number. Equal numbers, equal cells.
+using ViewCell = std::uint64_t;
+
+/// No cell's number.
+inline constexpr ViewCell kNoCell = ~ViewCell{0};
 
 /// The cell of a pose on a model. Direction from the model's centre in steps of about 6 degrees,
 /// distance in quarters of an octave, error bound as an angle in half octaves (rounded down, to the
@@ -28,5 +28,8 @@ struct ViewCell {
 [[nodiscard]] std::optional<ViewCell> restCellOf(
     const protocol::Pose& pose,
     const protocol::ModelInfo& model);
+
+/// What stands for all poses of a cell of either kind: seen from its middle.
+[[nodiscard]] View viewOfCell(ViewCell cell, const protocol::ModelInfo& model);
 
 }  // namespace limn

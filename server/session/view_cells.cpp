@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <utility>
 
 namespace limn {
@@ -27,17 +28,21 @@ TargetSet boundedSetOf(const Model& model, const protocol::Pose& pose) {
   return selectForView(model.forest(), viewOfPose(pose, model.forest().grid), model.smoothCones());
 }
 
-TargetSet searchedSetOf(const Model& model, const protocol::Pose& pose, const HaveSet& have) {
+/// isUnwanted: as ContourSearch::run(); then the set says nothing.
+TargetSet searchedSetOf(
+    const Model& model,
+    const protocol::Pose& pose,
+    const HaveSet& have,
+    const std::function<bool()>& isUnwanted) {
   const FullMesh* full = model.fullMesh();
   if (full == nullptr) return boundedSetOf(model, pose);
   ContourSearch search(*full, contourViewOf(pose, model.forest().grid), have.words());
-  if (search.run()) return search.target();
+  if (search.run(isUnwanted) || isUnwanted()) return search.target();
   // It found no end within its rounds: what it found, and what bounds say.
   TargetSet set = search.target();
-  for (const auto& words : boundedSetOf(model, pose).classes) {
-    for (std::size_t i = 0; i < words.size(); ++i)
-      set.classes[0][i] |= words[i];
-  }
+  const TargetSet bounded = boundedSetOf(model, pose);
+  for (std::size_t i = 0; i < bounded.all().size(); ++i)
+    set.classes[0][i] |= bounded.all()[i];
   return set;
 }
 
@@ -65,17 +70,9 @@ std::size_t ViewCells::KeyHash::operator()(const Key& key) const {
   return mixed ^ (mixed >> 29);
 }
 
-ViewCells::Ticket ViewCells::cell(
-    const std::shared_ptr<const Model>& model,
-    const protocol::Pose& pose) {
-  return shared(model, viewCellOf(pose, model->info()), TaskUrgency::kMotion);
-}
-
-ViewCells::Ticket ViewCells::shared(
-    const std::shared_ptr<const Model>& model,
-    const ViewCell& cell,
-    TaskUrgency urgency) {
-  const Key key{model->id(), cell.key};
+ViewCells::Ticket
+ViewCells::cell(const std::shared_ptr<const Model>& model, ViewCell cell, TaskUrgency urgency) {
+  const Key key{model->id(), cell};
   if (const auto found = byKey_.find(key); found != byKey_.end()) {
     entries_.splice(entries_.begin(), entries_, found->second);
     ++hits_;
@@ -89,7 +86,8 @@ ViewCells::Ticket ViewCells::shared(
   const auto result = std::make_shared<std::shared_ptr<const TargetSet>>();
   tasks_.submit(
       urgency,
-      [model, view = cell.view, result] {
+      [model, cell, result] {
+        const View view = viewOfCell(cell, model->info());
         *result = std::make_shared<const TargetSet>(
             selectForView(model->forest(), view, model->smoothCones()));
       },
@@ -115,7 +113,7 @@ ViewCells::Ticket ViewCells::pose(
   const bool search = need == Need::kSettled && pendingSearches_ < options_.maxSearches;
   if (need == Need::kSettled && !search) {
     const auto cell = restCellOf(pose, model->info());
-    if (cell) return shared(model, *cell, TaskUrgency::kView);
+    if (cell) return this->cell(model, *cell, TaskUrgency::kView);
   }
   const auto job = std::make_shared<Job>();
   const auto result = std::make_shared<std::shared_ptr<const TargetSet>>();
@@ -133,15 +131,20 @@ ViewCells::Ticket ViewCells::pose(
       [model, pose, need, search, have, wanted, result] {
         if (wanted.expired()) return;
         TargetSet set = need == Need::kExact ? exactSetOf(*model, pose)
-                        : search             ? searchedSetOf(*model, pose, have)
-                                             : boundedSetOf(*model, pose);
+                        : search
+                            ? searchedSetOf(*model, pose, have, [&] { return wanted.expired(); })
+                            : boundedSetOf(*model, pose);
+        if (wanted.expired()) return;
         *result = std::make_shared<const TargetSet>(std::move(set));
       },
-      [this, search, wanted, result, entry] {
+      [this, need, search, wanted, result, entry] {
         if (search) --pendingSearches_;
         if (*result) ++computed_;
         if (entry) entry->set = *result;
-        if (const auto still = wanted.lock()) still->set = std::move(*result);
+        const auto still = wanted.lock();
+        if (!still) return;
+        still->set = std::move(*result);
+        if (need == Need::kSettled) jumps_.give(1.0);
       });
   return job;
 }
@@ -149,7 +152,16 @@ ViewCells::Ticket ViewCells::pose(
 bool ViewCells::mayAsk(const Model& model, const protocol::Pose& pose) const {
   if (pendingSearches_ < options_.maxSearches || pendingCells_ < options_.maxPending) return true;
   const auto cell = restCellOf(pose, model.info());
-  if (!cell || byKey_.contains(Key{model.id(), cell->key})) return true;
+  if (!cell || byKey_.contains(Key{model.id(), *cell})) return true;
+  return isSearched(model, pose);
+}
+
+bool ViewCells::mayJump(const Model& model, const protocol::Pose& pose, std::int64_t nowMs) {
+  return isSearched(model, pose) || jumps_.take(nowMs);
+}
+
+/// Whether somebody looks from there, or did not long ago.
+bool ViewCells::isSearched(const Model& model, const protocol::Pose& pose) const {
   return std::ranges::any_of(poses_, [&](const auto& entry) {
     return entry->need == Need::kSettled && sameView(entry->pose, pose) &&
            entry->asset == model.id();

@@ -3,6 +3,7 @@
 
 #include "server/session/have_set.h"
 #include "server/session/model.h"
+#include "server/session/rate_limit.h"
 #include "server/session/target_set.h"
 #include "server/session/task_runner.h"
 #include "server/session/view_cell.h"
@@ -24,6 +25,10 @@ struct ViewCellOptions {
   std::size_t maxPending = 64;  // cells beyond that are not started
   std::size_t maxSearches = 4;  // contour searches at a time; beyond, bounds of splits decide
   std::size_t keptPoses = 8;    // sets of single poses that are kept for others
+  // Poses after a rest that get their own set before they have rested themselves, besides those
+  // whose client waits for it; so many at once.
+  double jumpsPerSecond = 0.25;
+  double jumpsAtOnce = 4.0;
 };
 
 /// Computes on workers: target sets of cells, cached and shared by all sessions, and of single
@@ -39,10 +44,16 @@ class ViewCells {
   using Ticket = std::shared_ptr<const Job>;
   enum class Need : std::uint8_t { kSettled, kExact };
 
-  ViewCells(TaskRunner& tasks, const ViewCellOptions& options) : tasks_(tasks), options_(options) {}
+  ViewCells(TaskRunner& tasks, const ViewCellOptions& options)
+      : tasks_(tasks),
+        options_(options),
+        jumps_(options.jumpsPerSecond, options.jumpsAtOnce) {}
 
-  /// The set of a pose's cell. Null when too many others are on their way: ask again later.
-  [[nodiscard]] Ticket cell(const std::shared_ptr<const Model>& model, const protocol::Pose& pose);
+  /// The set of a cell. Null when too many others are on their way: ask again later.
+  [[nodiscard]] Ticket cell(
+      const std::shared_ptr<const Model>& model,
+      ViewCell cell,
+      TaskUrgency urgency = TaskUrgency::kMotion);
 
   /// What exactly this pose needs besides `have` (words as in HaveSet, closed, with the base). For
   /// kSettled nothing else may be added to `have` meanwhile: it is searched for on the mesh that
@@ -59,6 +70,11 @@ class ViewCells {
   /// Whether pose() has a ticket for kSettled now: found out without `have`, which takes long to
   /// make for many who wait.
   [[nodiscard]] bool mayAsk(const Model& model, const protocol::Pose& pose) const;
+
+  /// Whether a pose that comes after a rest, a model's first for instance, may ask for its own set
+  /// at once, as if it were going to stay: then it counts. A crowd that comes and goes on moving
+  /// would keep the workers busy with sets that nobody wants in the end.
+  [[nodiscard]] bool mayJump(const Model& model, const protocol::Pose& pose, std::int64_t nowMs);
 
   /// A Contour message on its way; as Job.
   struct ContourJob {
@@ -82,7 +98,7 @@ class ViewCells {
  private:
   struct Key {
     Sha256Digest asset{};
-    std::uint64_t cell = 0;
+    ViewCell cell = kNoCell;
     friend bool operator==(const Key&, const Key&) = default;
   };
 
@@ -105,8 +121,7 @@ class ViewCells {
     std::shared_ptr<const TargetSet> set;  // once computed
   };
 
-  [[nodiscard]] Ticket
-  shared(const std::shared_ptr<const Model>& model, const ViewCell& cell, TaskUrgency urgency);
+  [[nodiscard]] bool isSearched(const Model& model, const protocol::Pose& pose) const;
   void evict();
   /// The set of an equal pose, there or on its way; null: nobody asked yet, or nobody wants it.
   [[nodiscard]] Ticket
@@ -114,6 +129,7 @@ class ViewCells {
 
   TaskRunner& tasks_;
   ViewCellOptions options_;
+  RateLimit jumps_;
   std::list<Entry> entries_;  // most recently used first
   std::unordered_map<Key, std::list<Entry>::iterator, KeyHash> byKey_;
   std::list<std::shared_ptr<PoseEntry>> poses_;  // most recently used first

@@ -19,6 +19,7 @@ namespace {
 constexpr std::size_t kMaxReasonBytes = 123;  // of a close frame [RFC 6455, 5.5]
 constexpr double kBurstSeconds = 2.0;
 constexpr std::size_t kSmallFrameBytes = 64;
+constexpr std::size_t kSaidAtOnce = 64 * 1024;  // then others have their turn
 constexpr std::int64_t kLookMs = 1000;
 constexpr std::int64_t kPingMs = 20'000;    // of silence, then a ping
 constexpr std::int64_t kPongMs = 10'000;    // without an answer, then the line is taken for dead
@@ -105,15 +106,9 @@ int Connection::receive(const void* in, std::size_t size, std::int64_t nowMs) {
     partial_ = {};
   }
   receiving_ = false;
-  // Most poses lead to nothing: then the socket need not be asked.
-  if (wantsWrite_) return 0;
-  if (auto message = session_.nextMessage(nowMs)) {
-    next_ = std::make_unique<OutMessage>(std::move(*message));
-  } else if (!session_.close()) {
-    return 0;
-  }
-  askToWrite();
-  return 0;
+  // Most poses lead to nothing, and most answers fit what the network takes at once: then there is
+  // no callback to wait for.
+  return wantsWrite_ ? 0 : say(nowMs);
 }
 
 // The library would send back one byte as it came, and looks at the reason's bytes one by one, so
@@ -130,20 +125,33 @@ int Connection::closedByPeer(std::string_view payload) {
 
 int Connection::write(std::int64_t nowMs) {
   wantsWrite_ = false;
-  if (pingWanted_) return ping();
-  const std::unique_ptr<OutMessage> made = std::move(next_);
-  const auto message = made ? std::optional(std::move(*made)) : session_.nextMessage(nowMs);
-  if (!message) {
-    const auto close = session_.close();
-    if (!close) return 0;
-    return *close == Session::Close::kGoingAway
-               ? closeNow(LWS_CLOSE_STATUS_GOINGAWAY, session_.closeReason(), Ending::kDrained)
-               : closeNow(
-                     LWS_CLOSE_STATUS_POLICY_VIOLATION,
-                     session_.closeReason(),
-                     Ending::kProtocol);
+  return pingWanted_ ? ping() : say(nowMs);
+}
+
+/// Writes what there is to say as long as the network takes it at once, and asks for a callback for
+/// the rest.
+int Connection::say(std::int64_t nowMs) {
+  std::size_t said = 0;
+  while (true) {
+    std::optional<OutMessage> message;
+    if (next_) {
+      message = std::move(*next_);
+      next_ = nullptr;
+    } else {
+      message = session_.nextMessage(nowMs);
+    }
+    if (!message) return farewell();
+    if (said >= kSaidAtOnce || lws_send_pipe_choked(wsi_) != 0) {
+      next_ = std::make_unique<OutMessage>(std::move(*message));
+      askToWrite();
+      return 0;
+    }
+    if (put(message->bytes(), nowMs) < 0) return -1;
+    said += message->bytes().size();
   }
-  const protocol::Bytes bytes = message->bytes();
+}
+
+int Connection::put(protocol::Bytes bytes, std::int64_t nowMs) {
   // The library writes its frame header in front of what it is given.
   std::vector<std::uint8_t>& scratch = shared_.scratch;
   scratch.resize(LWS_PRE + bytes.size());
@@ -154,8 +162,19 @@ int Connection::write(std::int64_t nowMs) {
   shared_.traffic.sentBytes += bytes.size();
   ++shared_.traffic.sentMessages;
   rate_.give(static_cast<double>(bytes.size()) / 1024.0);
-  askToWrite();
   return 0;
+}
+
+/// Closes if the session is at its end.
+int Connection::farewell() {
+  const auto close = session_.close();
+  if (!close) return 0;
+  return *close == Session::Close::kGoingAway
+             ? closeNow(LWS_CLOSE_STATUS_GOINGAWAY, session_.closeReason(), Ending::kDrained)
+             : closeNow(
+                   LWS_CLOSE_STATUS_POLICY_VIOLATION,
+                   session_.closeReason(),
+                   Ending::kProtocol);
 }
 
 int Connection::ping() {

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -57,13 +58,14 @@ class Connection final : public Peer {
   /// At least about once a second: deadlines. False when the socket is to be cut.
   [[nodiscard]] bool tick(std::int64_t nowMs);
 
-  /// While isLively(): about 20 times a second, and after finished background work.
+  /// See Session::update().
   void update(std::int64_t nowMs) {
     noteQuiet(nowMs);
     session_.update(nowMs);
   }
 
-  [[nodiscard]] bool isLively() const { return session_.isLively(); }
+  /// See Session.
+  [[nodiscard]] std::optional<std::int64_t> dueMs() const { return session_.dueMs(); }
 
   void drain(std::uint32_t retryAfterMs);
 
@@ -86,6 +88,9 @@ class Connection final : public Peer {
  private:
   void askToWrite();
   [[nodiscard]] int ping();
+  [[nodiscard]] int say(std::int64_t nowMs);
+  [[nodiscard]] int put(protocol::Bytes bytes, std::int64_t nowMs);
+  [[nodiscard]] int farewell();
   int closeNow(int code, const std::string& reason, Ending ending);
   void giveUp(const std::string& why, Ending ending, std::int64_t nowMs);
   void noteQuiet(std::int64_t nowMs);
@@ -98,7 +103,7 @@ class Connection final : public Peer {
   RateLimit rate_;
   std::vector<std::uint8_t> partial_;  // of a message that came in pieces
   Ending ending_ = Ending::kLeft;
-  std::unique_ptr<OutMessage> next_;  // made while nothing else was to be written
+  std::unique_ptr<OutMessage> next_;  // made before the network could take it
   bool wantsWrite_ = false;           // the socket was asked for a callback
   bool receiving_ = false;            // what the session wants then is asked for afterwards
   bool pingWanted_ = false;

@@ -107,6 +107,7 @@ struct Socket {
   std::unique_ptr<Connection> connection;
   std::size_t place = kNowhere;        // among those with a connection
   std::size_t livelyPlace = kNowhere;  // among the lively ones
+  std::int64_t dueMs = 0;              // of those: when to update it
 
   static constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
 };
@@ -204,6 +205,7 @@ class Transport final : public LwsTransport {
   void countRefusal(Refusal why, const std::string& address);
   void onTick();
   void onWoken();
+  void noteDue(Socket& socket);
   void updateLively(std::int64_t now);
   void beginDrain();
   [[nodiscard]] ServerStatus status() const;
@@ -506,13 +508,13 @@ int Transport::onWebSocket(lws* wsi, lws_callback_reasons reason, void* in, std:
     case LWS_CALLBACK_RECEIVE: {
       if (socket == nullptr || !socket->connection) return -1;
       const int result = socket->connection->receive(in, size, nowMs());
-      if (socket->connection->isLively()) lively_.add(*socket);
+      noteDue(*socket);
       return result;
     }
     case LWS_CALLBACK_SERVER_WRITEABLE: {
       if (socket == nullptr || !socket->connection) return -1;
       const int result = socket->connection->write(nowMs());
-      if (socket->connection->isLively()) lively_.add(*socket);
+      noteDue(*socket);
       return result;
     }
     case LWS_CALLBACK_RECEIVE_PONG:
@@ -637,7 +639,7 @@ void Transport::onTick() {
     looked_ = looked_ + 1 < connected_.size() ? looked_ + 1 : 0;
     Socket& socket = connected_[looked_];
     if (socket.connection->tick(now)) {
-      if (socket.connection->isLively()) lively_.add(socket);
+      noteDue(socket);
       continue;
     }
     cut(socket.wsi);
@@ -667,15 +669,25 @@ void Transport::onWoken() {
   updateLively(nowMs());
 }
 
+void Transport::noteDue(Socket& socket) {
+  const auto due = socket.connection->dueMs();
+  socket.dueMs = due.value_or(0);
+  if (due) {
+    lively_.add(socket);
+  } else {
+    lively_.remove(socket);
+  }
+}
+
 void Transport::updateLively(std::int64_t now) {
   for (std::size_t i = 0; i < lively_.size();) {
     Socket& socket = lively_[i];
-    socket.connection->update(now);
-    if (socket.connection->isLively()) {
-      ++i;
-    } else {
-      lively_.remove(socket);
+    if (socket.dueMs <= now) {
+      socket.connection->update(now);
+      noteDue(socket);
     }
+    // The last one may have taken its place.
+    if (socket.livelyPlace == i) ++i;
   }
 }
 

@@ -293,7 +293,7 @@ struct Bench {
     for (int view = 0; view < views; ++view) {
       TimedTasks tasks;
       ViewCells cells(tasks, {});
-      const auto ticket = cells.cell(model, poseOf(view));
+      const auto ticket = cells.cell(model, viewCellOf(poseOf(view), model->info()));
       tasks.runAll();
       ms.add(tasks.takeLongestMs());
     }

@@ -469,7 +469,8 @@ TEST(Delivery, WhatLiesAheadIsSentWithThePoseNotWithATick) {
   Link link(options);
   link.models_.add("large", model);
   for (double degrees = 0.0; degrees < 60.0; degrees += 0.5) {
-    static_cast<void>(link.cells_.cell(model, orbitPose(*model, degrees, 1)));
+    static_cast<void>(
+        link.cells_.cell(model, viewCellOf(orbitPose(*model, degrees, 1), model->info())));
     link.tasks_.runAll();
   }
   link.hello();
@@ -490,6 +491,36 @@ TEST(Delivery, WhatLiesAheadIsSentWithThePoseNotWithATick) {
     EXPECT_EQ(link.take(), 0) << "pose " << i;
   }
   EXPECT_GT(withPose, 3);
+}
+
+// A second turn, of which everything is held: what a pose costs then is what a thousand cost.
+TEST(Delivery, AWayThatIsHeldIsNotAskedForAgain) {
+  SessionOptions options;
+  options.prefetchAfterMs = -1;
+  Link link(options);
+  link.hello();
+  link.open("bumpy");
+  std::uint32_t id = 0;
+  const auto turn = [&](double from) {
+    std::size_t got = 0;
+    for (double degrees = from; degrees < from + 360.0; degrees += 1.5) {
+      link.now_ += 100;
+      link.send(orbitPose(*bumpy(), degrees, ++id));
+      for (bool again = true; again; link.acknowledge()) {
+        again = link.tasks_.runAll() > 0;
+        link.session_.update(link.now_);
+        const int taken = link.take();
+        again = again || taken > 0;
+        got += static_cast<std::size_t>(taken);
+      }
+    }
+    return got;
+  };
+  EXPECT_GT(turn(0.0), 20U);
+  const std::uint64_t before = link.cells_.hits();
+  EXPECT_EQ(turn(360.0), 0U);
+  // 64 cells on the way, each looked up when it comes into sight and when it is entered.
+  EXPECT_LT(link.cells_.hits() - before, 200U) << "of 240 poses";
 }
 
 // Over 1 Mbit/s a new pose's packets come within a round trip and the queue that the window allows.

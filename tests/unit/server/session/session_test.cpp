@@ -245,6 +245,23 @@ TEST(Session, AMovingCameraIsServedFromCellsAndARestingOneFromItsOwnSet) {
   EXPECT_EQ(link.settled_.back(), (std::pair<std::uint32_t, Goal>{20, Goal::kSettled}));
 }
 
+TEST(Session, KnowsWhenItWillHaveSomethingToDo) {
+  Link link;
+  EXPECT_EQ(link.session_.dueMs(), std::nullopt);
+  link.hello();
+  link.open("bumpy");
+  link.settle();
+  EXPECT_EQ(link.session_.dueMs(), std::nullopt) << "no pose yet";
+  link.look({0, 0, 1}, protocol::Goal::kSettled);
+  EXPECT_LE(link.session_.dueMs().value_or(1), 0) << "its set is being computed";
+  link.settle();
+  EXPECT_EQ(link.session_.dueMs(), std::nullopt) << "settled";
+  link.now_ += 100;
+  link.look({0.1, 0, 1}, protocol::Goal::kSettled);
+  link.settle();
+  EXPECT_EQ(link.session_.dueMs(), link.now_ + SessionOptions{}.restMs) << "moving";
+}
+
 TEST(Session, ANewPoseTakesEffectWithTheNextPacket) {
   SessionOptions options;
   options.packetBytes = 512;

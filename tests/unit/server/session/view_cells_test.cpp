@@ -22,21 +22,23 @@ HaveSet baseOf(const Model& model) {
   return have;
 }
 
-TEST(ViewCellOf, NearPosesShareACellAndItsView) {
+ViewCell cellAt(const glm::dvec3& direction) {
+  return viewCellOf(poseAt(sphere()->info(), direction), sphere()->info());
+}
+
+TEST(ViewCellOf, NearPosesShareACell) {
   const auto& info = sphere()->info();
   const ViewCell a = viewCellOf(poseAt(info, {0.1, 0.1, 1.0}, 3.0), info);
   const ViewCell b = viewCellOf(poseAt(info, {0.11, 0.1, 1.0}, 3.05), info);
-  EXPECT_EQ(a.key, b.key);
-  EXPECT_EQ(a.view.eye, b.view.eye);
-  EXPECT_EQ(a.view.pixelsPerUnit, b.view.pixelsPerUnit);
+  EXPECT_EQ(a, b);
 }
 
 TEST(ViewCellOf, WhatDiffersInNeedDiffersInCell) {
   const auto& info = sphere()->info();
   const protocol::Pose pose = poseAt(info, {0.1, 0.1, 1.0}, 3.0);
-  std::set<std::uint64_t> keys{viewCellOf(pose, info).key};
+  std::set<std::uint64_t> keys{viewCellOf(pose, info)};
   const auto expectNew = [&](const protocol::Pose& other) {
-    EXPECT_TRUE(keys.insert(viewCellOf(other, info).key).second);
+    EXPECT_TRUE(keys.insert(viewCellOf(other, info)).second);
   };
   expectNew(poseAt(info, {0.5, 0.1, 1.0}, 3.0));
   expectNew(poseAt(info, {0.1, 0.1, -1.0}, 3.0));
@@ -62,13 +64,13 @@ TEST(ViewCellOf, ThePoseIsNearTheMiddleOfItsCell) {
     const glm::dvec3 direction(rng.uniform() - 0.5, rng.uniform() - 0.5, rng.uniform() - 0.5);
     const double distance = 1.5 + 5.0 * rng.uniform();
     const protocol::Pose pose = poseAt(info, direction, distance);
-    const ViewCell cell = viewCellOf(pose, info);
+    const View middle = viewOfCell(viewCellOf(pose, info), info);
     const glm::dvec3 eye = sphere()->forest().grid.fromModel(pose.eye);
     const glm::dvec3 center = sphere()->forest().grid.fromModel(info.center);
     const double cosine =
-        glm::dot(glm::normalize(eye - center), glm::normalize(cell.view.eye - center));
+        glm::dot(glm::normalize(eye - center), glm::normalize(middle.eye - center));
     EXPECT_GT(cosine, std::cos(glm::radians(5.0)));
-    const double ratio = glm::distance(cell.view.eye, center) / glm::distance(eye, center);
+    const double ratio = glm::distance(middle.eye, center) / glm::distance(eye, center);
     EXPECT_GT(ratio, 0.91);
     EXPECT_LT(ratio, 1.1);
   }
@@ -86,7 +88,7 @@ TEST(RestCellOf, ItsSetHasWhatAnyPoseInItNeeds) {
     const auto cell = restCellOf(pose, info);
     ASSERT_TRUE(cell);
     const auto cones = smoothConesOf(model.forest());
-    const auto wide = classifySplits(model.forest(), cell->view, cones);
+    const auto wide = classifySplits(model.forest(), viewOfCell(*cell, info), cones);
     const auto needed =
         classifySplits(model.forest(), viewOfPose(pose, model.forest().grid), cones);
     for (std::size_t s = 0; s < needed.size(); ++s)
@@ -95,7 +97,7 @@ TEST(RestCellOf, ItsSetHasWhatAnyPoseInItNeeds) {
     protocol::Pose beside = pose;
     beside.eye += 0.003 * info.radius * glm::dvec3(1.0, 0.0, 0.0);
     const auto other = restCellOf(beside, info);
-    if (other && other->key == cell->key) ++shared;
+    if (other && *other == *cell) ++shared;
   }
   EXPECT_GT(shared, 100U);
 }
@@ -131,49 +133,94 @@ TEST(ViewCells, BeyondSoManySearchesCellsDecide) {
   EXPECT_NE(second->set, nullptr);
 }
 
+TEST(ViewCellOf, ItsViewLooksAsItsPosesDo) {
+  const auto& info = sphere()->info();
+  const auto viewOf = [&](const protocol::Pose& pose) {
+    return viewOfCell(viewCellOf(pose, info), info);
+  };
+  protocol::Pose pose = poseAt(info, {0.1, 0.1, 1.0}, 3.0);
+  pose.silhouette = protocol::Silhouette::kEdges;
+  const View whole = viewOf(pose);
+  EXPECT_EQ(whole.silhouette, pose.silhouette);
+  EXPECT_FALSE(whole.orthographic);
+  EXPECT_NE(whole.clip, View::Clip::kCone);
+  const View exact = viewOfPose(pose, sphere()->forest().grid);
+  const double finer = whole.pixelsPerUnit / whole.errorPx * exact.errorPx / exact.pixelsPerUnit;
+  EXPECT_GE(finer, 1.0) << "the bound is rounded to the finer";
+  EXPECT_LE(finer, std::sqrt(2.0) + 1e-6);
+  pose.forward = glm::normalize(glm::dvec3(1.0, 0.0, -0.5));
+  const View aside = viewOf(pose);
+  EXPECT_EQ(aside.clip, View::Clip::kCone);
+  EXPECT_GT(glm::dot(aside.forward, pose.forward), std::cos(glm::radians(5.0)));
+  EXPECT_GT(aside.coneHalfAngle, pose.fovY / 2.0);
+  pose.orthoHeight = 2.0;
+  EXPECT_TRUE(viewOf(pose).orthographic);
+}
+
 TEST(ViewCells, ComputesACellOnceAndSharesIt) {
   ManualTasks tasks;
   ViewCells cells(tasks, {});
   const protocol::Pose pose = poseAt(sphere()->info(), {0, 0, 1});
-  const auto first = cells.cell(sphere(), pose);
-  const auto second = cells.cell(sphere(), pose);
+  const auto first = cells.cell(sphere(), viewCellOf(pose, sphere()->info()));
+  const auto second = cells.cell(sphere(), viewCellOf(pose, sphere()->info()));
   EXPECT_EQ(first, second);
   EXPECT_EQ(first->set, nullptr) << "still on its way";
   EXPECT_EQ(tasks.runAll(), 1U);
   ASSERT_NE(first->set, nullptr);
-  EXPECT_EQ(cells.cell(sphere(), pose)->set, first->set);
+  EXPECT_EQ(cells.cell(sphere(), viewCellOf(pose, sphere()->info()))->set, first->set);
   EXPECT_EQ(cells.cachedBytes(), first->set->bytes());
 }
 
 TEST(ViewCells, ForgetsTheLeastUsedBeyondItsBound) {
   ManualTasks tasks;
   ViewCells measure(tasks, {});
-  const auto one = measure.cell(sphere(), poseAt(sphere()->info(), {0, 0, 1}));
+  const auto one = measure.cell(sphere(), cellAt({0, 0, 1}));
   tasks.runAll();
   const std::size_t bytes = one->set->bytes();
   ViewCells cells(tasks, {.cacheBytes = 2 * bytes});
   const std::vector<glm::dvec3> directions = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
   for (const glm::dvec3& direction : directions) {
-    static_cast<void>(cells.cell(sphere(), poseAt(sphere()->info(), direction)));
+    static_cast<void>(cells.cell(sphere(), cellAt(direction)));
     tasks.runAll();
     // The first stays in use.
-    static_cast<void>(cells.cell(sphere(), poseAt(sphere()->info(), directions[0])));
+    static_cast<void>(cells.cell(sphere(), cellAt(directions[0])));
   }
   EXPECT_EQ(cells.cachedBytes(), 2 * bytes);
   EXPECT_EQ(tasks.pending(), 0U);
-  static_cast<void>(cells.cell(sphere(), poseAt(sphere()->info(), directions[0])));
+  static_cast<void>(cells.cell(sphere(), cellAt(directions[0])));
   EXPECT_EQ(tasks.pending(), 0U) << "kept";
-  static_cast<void>(cells.cell(sphere(), poseAt(sphere()->info(), directions[1])));
+  static_cast<void>(cells.cell(sphere(), cellAt(directions[1])));
   EXPECT_EQ(tasks.pending(), 1U) << "forgotten";
 }
 
 TEST(ViewCells, StartsOnlySoManyAtOnce) {
   ManualTasks tasks;
   ViewCells cells(tasks, {.maxPending = 1});
-  EXPECT_NE(cells.cell(sphere(), poseAt(sphere()->info(), {0, 0, 1})), nullptr);
-  EXPECT_EQ(cells.cell(sphere(), poseAt(sphere()->info(), {1, 0, 0})), nullptr);
+  EXPECT_NE(cells.cell(sphere(), cellAt({0, 0, 1})), nullptr);
+  EXPECT_EQ(cells.cell(sphere(), cellAt({1, 0, 0})), nullptr);
   tasks.runAll();
-  EXPECT_NE(cells.cell(sphere(), poseAt(sphere()->info(), {1, 0, 0})), nullptr);
+  EXPECT_NE(cells.cell(sphere(), cellAt({1, 0, 0})), nullptr);
+}
+
+TEST(ViewCells, PosesMayJumpAsOftenAsTheirSetsAreWaitedFor) {
+  ManualTasks tasks;
+  ViewCells cells(tasks, {.jumpsPerSecond = 1.0, .jumpsAtOnce = 2.0});
+  const HaveSet have = baseOf(*sphere());
+  const auto at = [](double x) { return poseAt(sphere()->info(), {x, 0, 1}); };
+  using enum ViewCells::Need;
+  EXPECT_TRUE(cells.mayJump(*sphere(), at(0.1), 0));
+  EXPECT_TRUE(cells.mayJump(*sphere(), at(0.2), 0));
+  EXPECT_FALSE(cells.mayJump(*sphere(), at(0.3), 0));
+  auto moved = cells.pose(sphere(), at(0.1), kSettled, have);
+  moved = nullptr;
+  tasks.runAll();
+  EXPECT_FALSE(cells.mayJump(*sphere(), at(0.3), 10)) << "the last one was for nothing";
+  const auto stayed = cells.pose(sphere(), at(0.2), kSettled, have);
+  EXPECT_TRUE(cells.mayJump(*sphere(), at(0.2), 10)) << "with whom it shares";
+  tasks.runAll();
+  EXPECT_TRUE(cells.mayJump(*sphere(), at(0.4), 10)) << "the last one was waited for";
+  EXPECT_FALSE(cells.mayJump(*sphere(), at(0.5), 10));
+  EXPECT_TRUE(cells.mayJump(*sphere(), at(0.5), 1010));
 }
 
 TEST(ViewCells, ADroppedTicketIsNotComputed) {
