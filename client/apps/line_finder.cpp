@@ -93,9 +93,12 @@ LineFinder::LineFinder(
   if (hasCones && options.cones != nullptr && options.cones->kind() == options.silhouette)
     detector.cones = options.cones->conesOf(snapshot_, field_);
   detector_ = makeDetector(options.detector, field_, detector);
-  const std::vector<std::uint8_t> features =
-      withoutNoise(snapshot_->mesh.mesh(), snapshot_->mesh.positions(), snapshot_->mesh.features());
   Cracks cracks = findCracks(snapshot_->mesh.mesh(), snapshot_->mesh.positions());
+  const std::vector<std::uint8_t> features = withoutNoise(
+      snapshot_->mesh.mesh(),
+      snapshot_->mesh.positions(),
+      snapshot_->mesh.features(),
+      cracks.kinds);
   if (options.features.crease && options.silhouette == SilhouetteKind::kSmooth)
     creaseContours_.emplace(field_, features, cracks.parts);
   acrossCracks_ = std::move(cracks.across);

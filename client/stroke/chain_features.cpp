@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/chain.h"
+#include "client/stroke/crack_places.h"
 
 #include "shared/progressive/vertex_split.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <unordered_map>
 
 namespace limn {
 namespace {
@@ -35,50 +35,6 @@ bool isOfKind(
   return kind == LineKind::kSeam && !isCrease && (features[h] & kFeatureSeam) != 0;
 }
 
-/// Vertices that lie within this of one another where parts are cracked are one place, grid units.
-constexpr double kSamePlace = 2.0;
-
-/// Where lines may go on: each border vertex's first one as near as a crack is wide.
-class Places {
- public:
-  Places(const HalfEdgeMesh& mesh, std::span<const glm::ivec3> positions)
-      : mesh_(mesh),
-        positions_(positions) {}
-
-  [[nodiscard]] std::uint32_t placeOf(std::uint32_t vertex) {
-    if (!mesh_.isBorderVertex(vertex)) return vertex;
-    const auto [known, isNew] = places_.try_emplace(vertex, vertex);
-    if (isNew) known->second = find(vertex);
-    return known->second;
-  }
-
- private:
-  static constexpr int kCell = 4;
-
-  static std::uint64_t nameOf(const glm::ivec3& cell) {
-    const glm::i64vec3 c(cell);
-    return static_cast<std::uint64_t>(
-        (c.x & 0x1FFFFF) << 42 | (c.y & 0x1FFFFF) << 21 | (c.z & 0x1FFFFF));
-  }
-
-  std::uint32_t find(std::uint32_t vertex) {
-    const glm::ivec3 cell(glm::floor(glm::dvec3(positions_[vertex]) / double{kCell}));
-    for (int k = 0; k < 27; ++k) {
-      const auto there = firsts_.find(nameOf(cell + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1));
-      if (there == firsts_.end()) continue;
-      const glm::dvec3 apart(positions_[there->second] - positions_[vertex]);
-      if (glm::dot(apart, apart) <= kSamePlace * kSamePlace) return there->second;
-    }
-    firsts_.try_emplace(nameOf(cell), vertex);
-    return vertex;
-  }
-
-  const HalfEdgeMesh& mesh_;
-  std::span<const glm::ivec3> positions_;
-  std::unordered_map<std::uint32_t, std::uint32_t> places_;
-  std::unordered_map<std::uint64_t, std::uint32_t> firsts_;  // a place's first vertex, by cell
-};
-
 struct Pairing {
   float cosTurn;
   std::uint32_t a;
@@ -90,7 +46,7 @@ void pairEnds(
     const HalfEdgeMesh& mesh,
     std::span<const glm::ivec3> positions,
     float cosCorner,
-    Places& places,
+    CrackPlaces& places,
     FeatureGraph& graph) {
   const auto ends = static_cast<std::uint32_t>(2 * graph.edges.size());
   std::vector<std::uint32_t> placeOf(ends);
@@ -197,7 +153,7 @@ PolylineSet chainFeatures(
   PolylineSet set;
   const auto cosCorner =
       static_cast<float>(std::cos(options.cornerAngleDegrees * std::numbers::pi / 180.0));
-  Places places(mesh, positions);
+  CrackPlaces places(mesh, positions);
   for (const LineKind kind : {LineKind::kCrease, LineKind::kSeam, LineKind::kBorder}) {
     FeatureGraph graph;
     for (HalfEdgeId h = 0; h < mesh.origins.size(); ++h) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/crease_noise.h"
 
+#include "client/stroke/crack_places.h"
+
 #include "shared/core/disjoint_sets.h"
 #include "shared/progressive/vertex_split.h"
 
@@ -28,7 +30,8 @@ class NoiseFinder {
   NoiseFinder(
       const HalfEdgeMesh& mesh,
       std::span<const glm::ivec3> positions,
-      std::span<const std::uint8_t> features)
+      std::span<const std::uint8_t> features,
+      std::span<const Crack> cracks)
       : mesh_(mesh),
         positions_(positions),
         connected_(mesh.vertexCount()),
@@ -41,12 +44,21 @@ class NoiseFinder {
       high = glm::max(high, p);
     }
     extent_ = glm::distance(glm::dvec3(low), glm::dvec3(high));
+    CrackPlaces places(mesh, positions);
     for (HalfEdgeId h = 0; h < features.size(); ++h) {
       const HalfEdgeId twin = mesh.twins[h];
-      if (twin == kNone || ((features[h] | features[twin]) & kFeatureCrease) == 0) continue;
-      isCrease_[h] = 1;
-      if (h < twin) edges_.push_back(h);
+      if (twin == kNone) {
+        if (cracks.empty() || cracks[h] != Crack::kCrease) continue;
+        edges_.push_back(h);
+      } else {
+        if (((features[h] | features[twin]) & kFeatureCrease) == 0) continue;
+        isCrease_[h] = 1;
+        if (h < twin) edges_.push_back(h);
+      }
       connected_.join(mesh.origin(h), mesh.target(h));
+      if (cracks.empty()) continue;
+      for (const std::uint32_t v : {mesh.origin(h), mesh.target(h)})
+        connected_.join(v, places.placeOf(v));
     }
   }
 
@@ -77,6 +89,7 @@ class NoiseFinder {
       if (length >= kLongest * extent_) continue;
       if (length >= kShortest * extent_ && (!hasLooseEnds || divides(piece))) continue;
       for (const HalfEdgeId h : piece) {
+        if (mesh_.twins[h] == kNone) continue;
         for (const HalfEdgeId side : {h, mesh_.twins[h]})
           features[side] = static_cast<std::uint8_t>(features[side] & ~kFeatureCrease);
       }
@@ -97,6 +110,7 @@ class NoiseFinder {
     std::size_t asked = 0;
     std::size_t different = 0;
     for (std::size_t i = step / 2; i < piece.size(); i += step) {
+      if (mesh_.twins[piece[i]] == kNone) continue;
       ++asked;
       if (glm::dot(side(piece[i]), side(mesh_.twins[piece[i]])) < kSameSide) ++different;
     }
@@ -137,7 +151,7 @@ class NoiseFinder {
   std::span<const glm::ivec3> positions_;
   DisjointSets connected_;              // vertices joined by creases
   std::vector<std::uint8_t> isCrease_;  // by half-edge
-  std::vector<HalfEdgeId> edges_;       // one of each crease's half-edges
+  std::vector<HalfEdgeId> edges_;       // one of each crease's half-edges; cracks that are creases
   double extent_ = 0.0;
   std::vector<std::uint32_t> seen_;  // by face: the pass that has met it
   std::uint32_t pass_ = 0;
@@ -149,10 +163,11 @@ class NoiseFinder {
 std::vector<std::uint8_t> withoutNoise(
     const HalfEdgeMesh& mesh,
     std::span<const glm::ivec3> positions,
-    std::span<const std::uint8_t> features) {
+    std::span<const std::uint8_t> features,
+    std::span<const Crack> cracks) {
   std::vector<std::uint8_t> kept(features.begin(), features.end());
   if (features.size() == mesh.origins.size() && !positions.empty())
-    NoiseFinder(mesh, positions, features).clear(kept);
+    NoiseFinder(mesh, positions, features, cracks).clear(kept);
   return kept;
 }
 

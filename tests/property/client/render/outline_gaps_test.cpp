@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Outlines without gaps: contours of closed meshes are loops, and a drawing has a line wherever the
-// depth image of its mesh says that the mesh ends before nothing.
+// depth image of its mesh says that the mesh ends before the paper, or before itself.
 #include "tests/unit/client/render/outline_gaps.h"
 
 #include "client/apps/line_finder.h"
@@ -76,9 +76,14 @@ std::shared_ptr<const MeshSnapshot> creasedSnapshotOf(const corpus::Mesh& model)
   return snapshot;
 }
 
-/// Draws a model in ink and looks for gaps of its outline before the paper: mostPx, and what is
-/// near a gap's two ends, is no gap.
-void checkOutline(Renderer& renderer, const corpus::Mesh& model, int mostPx) {
+/// Gaps of so many pixels, and what is near their two ends, are none.
+constexpr int kMostGapPx = 3;
+
+/// Draws a model in ink and looks for gaps of its outlines.
+void checkOutline(
+    Renderer& renderer,
+    const corpus::Mesh& model,
+    const outline::GapOptions& looking = {.innerOutlines = false}) {
   const auto snapshot = creasedSnapshotOf(model);
   LineFinderOptions finding;
   finding.detector = DetectorMethod::kBrute;
@@ -96,8 +101,6 @@ void checkOutline(Renderer& renderer, const corpus::Mesh& model, int mostPx) {
     options.keepDepth = true;
     const auto shape = renderer.render(*snapshot, {}, camera, options);
     ASSERT_TRUE(drawing && shape);
-    outline::GapOptions looking;
-    looking.innerOutlines = false;
     const outline::Gaps found = outline::findGaps(
         drawing->image,
         shape->depth,
@@ -106,8 +109,8 @@ void checkOutline(Renderer& renderer, const corpus::Mesh& model, int mostPx) {
         looking);
     EXPECT_GT(found.outlinePixels, 200) << model.name;
     for (const outline::Gap& gap : found.gaps) {
-      EXPECT_LE(gap.extent(), mostPx) << model.name << " from " << azimuth << ", " << elevation
-                                      << ": at (" << gap.low.x << ", " << gap.low.y << ")";
+      EXPECT_LE(gap.extent(), kMostGapPx) << model.name << " from " << azimuth << ", " << elevation
+                                          << ": at (" << gap.low.x << ", " << gap.low.y << ")";
     }
   }
 }
@@ -116,7 +119,7 @@ TEST(Outline, OfGeneratedShapesHasALineAllAlong) {
   auto renderer = makeRenderer(GlBackend::kOsmesa);
   ASSERT_TRUE(renderer);
   for (const corpus::Mesh& model : corpus::generated()) {
-    if (model.closed) checkOutline(*renderer, model, 3);
+    if (model.closed) checkOutline(*renderer, model);
   }
 }
 
@@ -126,7 +129,7 @@ TEST(Outline, OfModelsHasALineAllAlong) {
   ASSERT_TRUE(renderer);
   for (const char* name : {"fandisk.off", "gears.stl", "rocker-arm.ply"}) {
     const corpus::Mesh* model = corpus::model(name);
-    if (model != nullptr) checkOutline(*renderer, *model, 3);
+    if (model != nullptr) checkOutline(*renderer, *model);
   }
 }
 
@@ -135,7 +138,7 @@ TEST(Outline, OfAMachineInManyPartsHasALineAcrossTheirCracks) {
   auto renderer = makeRenderer(GlBackend::kOsmesa);
   ASSERT_TRUE(renderer);
   const corpus::Mesh* model = corpus::model("engine.glb");
-  if (model != nullptr) checkOutline(*renderer, *model, 3);
+  if (model != nullptr) checkOutline(*renderer, *model, {.innerOutlines = true});
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
+#include <utility>
 
 namespace limn {
 namespace {
@@ -83,6 +85,33 @@ TEST(CreaseNoise, AStepWithinASurfaceThatGoesOnAroundItIsNoise) {
         return 1.2 * share(y, 8) * std::exp(-1.4 * std::max(0, kCells / 2 - x));
       })),
       0U);
+}
+
+TEST(CreaseNoise, AnEdgeThatComesInUnjoinedPiecesIsNone) {
+  // A roof in strips of two columns, each with vertices of its own.
+  const TriangleMesh roof = field([](int, int y) { return -std::abs(y - kCells / 2); });
+  TriangleMesh strips;
+  std::map<std::pair<int, std::uint32_t>, std::uint32_t> copies;
+  for (const glm::uvec3& t : roof.triangles) {
+    int column = kCells;
+    for (int k = 0; k < 3; ++k)
+      column = std::min(column, roof.positions[t[k]].x / kCell);
+    glm::uvec3 copy(0);
+    for (int k = 0; k < 3; ++k) {
+      const auto [known, isNew] = copies.try_emplace(
+          {column / 2, t[k]},
+          static_cast<std::uint32_t>(strips.positions.size()));
+      if (isNew) strips.positions.push_back(roof.positions[t[k]]);
+      copy[k] = known->second;
+    }
+    strips.triangles.push_back(copy);
+  }
+  const HalfEdgeMesh mesh = link(strips);
+  const std::vector<std::uint8_t> features = findCreases(mesh, strips.positions, 40.0);
+  const Cracks cracks = findCracks(mesh, strips.positions);
+  EXPECT_EQ(std::ranges::count(features, kFeatureCrease), 2 * kCells);
+  EXPECT_EQ(std::ranges::count(withoutNoise(mesh, strips.positions, features), kFeatureCrease), 0);
+  EXPECT_EQ(withoutNoise(mesh, strips.positions, features, cracks.kinds), features);
 }
 
 TEST(CreaseNoise, ARidgeThatRunsOutIsNone) {
