@@ -4,6 +4,7 @@
 #include "client/apps/drawing_options.h"
 #include "client/render/assets.h"
 #include "client/render/style_files.h"
+#include "client/stroke/tessellate.h"
 #include "client/svg/stroke_shape.h"
 #include "client/svg/svg_drawing.h"
 
@@ -21,10 +22,12 @@ SvgPen penOf(
       texture.color,
       texture.opacity * shape.strength,
       widthPx * shape.thickness / style.body,
-      {}};
-  // Textures grow with the stroke, and so do their dashes.
+      {},
+      0.0F};
+  const float repeatPx = texturePeriod(style, widthPx) / repeatsAPeriod(style, texture);
   for (const float share : shape.dashes)
-    pen.dashPx.push_back(share * texture.lengthPx * widthPx / style.widthPx);
+    pen.dashPx.push_back(share * repeatPx);
+  pen.dashStartPx = shape.dashStart * repeatPx;
   return pen;
 }
 
@@ -49,6 +52,7 @@ Result<std::string> svgFile(
   const RenderOptions render = renderOptionsOf(options);
   const float widthPx = lineWidthPx(render, style, camera);
   svg.widthFalloff = lineWidthFalloff(render);
+  svg.periodPx = texturePeriod(style, widthPx);
   svg.visible = penOf(style.visible, files->visible, style, widthPx);
   if (options.hidden == HiddenLines::kStyle) {
     svg.hidden = penOf(style.hidden, files->hidden, style, widthPx);

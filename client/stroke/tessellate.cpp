@@ -89,13 +89,9 @@ class StripBuilder {
         widthPx_(widthPx),
         brush_(brush),
         period_(texturePeriod(style, widthPx)),
-        out_(out) {
-    const float visible = std::max(style.visible.lengthPx, 1.0F);
-    const float hidden = std::max(style.hidden.lengthPx, 1.0F);
-    const float longer = std::max(visible, hidden);
-    visiblePerPx_ = std::max(1.0F, std::round(longer / visible)) / period_;
-    hiddenPerPx_ = std::max(1.0F, std::round(longer / hidden)) / period_;
-  }
+        visiblePerPx_(repeatsAPeriod(style, style.visible) / period_),
+        hiddenPerPx_(repeatsAPeriod(style, style.hidden) / period_),
+        out_(out) {}
 
   void build(std::uint32_t index) {
     const SpineSet::Spine& spine = in_.spines.spines[index];
@@ -386,12 +382,12 @@ class StripBuilder {
   float widthPx_;
   const Brush& brush_;
   float period_;
+  float visiblePerPx_;
+  float hiddenPerPx_;
   StrokeMesh& out_;
   std::vector<Station> stations_;
   std::vector<Station> refined_;
   std::vector<glm::vec2> directions_;
-  float visiblePerPx_ = 0.0F;
-  float hiddenPerPx_ = 0.0F;
   // Of the spine being built.
   float length_ = 0.0F;
   float closingParameter_ = 0.0F;
@@ -407,6 +403,11 @@ class StripBuilder {
 float texturePeriod(const StrokeStyle& style, float widthPx) {
   // Textures grow with the stroke's width, else a wide stroke's would look squashed.
   return std::max({style.visible.lengthPx, style.hidden.lengthPx, 1.0F}) * widthPx / style.widthPx;
+}
+
+float repeatsAPeriod(const StrokeStyle& style, const StrokeTexture& texture) {
+  const float longer = std::max({style.visible.lengthPx, style.hidden.lengthPx, 1.0F});
+  return std::max(1.0F, std::round(longer / std::max(texture.lengthPx, 1.0F)));
 }
 
 void tessellate(

@@ -49,6 +49,9 @@ struct StrokeSpines {
 /// the two; the other divides it a whole number of times, so that both close together on a loop.
 [[nodiscard]] float texturePeriod(const StrokeStyle& style, float widthPx);
 
+/// How often one of the style's textures repeats in a period.
+[[nodiscard]] float repeatsAPeriod(const StrokeStyle& style, const StrokeTexture& texture);
+
 /// Turns spines into strips. Points that a straight strip passes within a fraction of a pixel are
 /// left out. Neighbouring segments share their corner vertices (a mitre); where the line turns too
 /// sharply for that, the segments end square and a fan closes the outer side. Strips may overlap

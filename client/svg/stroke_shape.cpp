@@ -2,6 +2,7 @@
 #include "client/svg/stroke_shape.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -11,6 +12,7 @@ namespace {
 struct Run {
   bool inked = false;
   std::size_t length = 0;
+  std::size_t begin = 0;  // its first column
 };
 
 /// Neighbouring runs of one kind become one; the repeat is a circle.
@@ -25,6 +27,7 @@ void join(std::vector<Run>& runs) {
   }
   if (joined.size() > 1 && joined.front().inked == joined.back().inked) {
     joined.front().length += joined.back().length;
+    joined.front().begin = joined.back().begin;
     joined.pop_back();
   }
   runs = std::move(joined);
@@ -33,8 +36,8 @@ void join(std::vector<Run>& runs) {
 /// Ink and gap in turn, from an ink; nothing when there is no gap (or nothing but).
 std::vector<Run> dashesOf(std::span<const std::uint8_t> inked) {
   std::vector<Run> runs;
-  for (const std::uint8_t column : inked)
-    runs.push_back({column != 0, 1});
+  for (std::size_t x = 0; x < inked.size(); ++x)
+    runs.push_back({inked[x] != 0, 1, x});
   join(runs);
   const std::size_t least = std::max<std::size_t>(1, inked.size() / 50);
   while (runs.size() > 1) {
@@ -61,6 +64,24 @@ bool areAlike(std::span<const Run> runs, bool inked) {
     most = std::max(most, run.length);
   }
   return most <= 2 * least;
+}
+
+/// Where the first of equal dashes begins if those of `runs` are to have their middles where they
+/// are, in the mean; dash and result: shares of the repeat.
+float meanStart(std::span<const Run> runs, float dash, std::size_t columns) {
+  const auto count = static_cast<float>(runs.size() / 2);
+  const auto width = static_cast<float>(columns);
+  float sum = 0.0F;
+  for (std::size_t i = 0; i < runs.size(); i += 2) {
+    const Run& run = runs[i];
+    // The first may begin before the picture does.
+    const std::size_t begin = run.begin < runs[0].begin ? run.begin + columns : run.begin;
+    const float middle =
+        (static_cast<float>(begin) + 0.5F * static_cast<float>(run.length)) / width;
+    sum += middle - static_cast<float>(i / 2) / count;
+  }
+  const float start = sum / count - 0.5F * dash;
+  return start - std::floor(start);
 }
 
 }  // namespace
@@ -96,13 +117,16 @@ StrokeShape strokeShape(std::span<const std::uint8_t> ink, int width) {
     return static_cast<float>(n) / static_cast<float>(of * columns);
   };
   if (runs.size() > 2 && areAlike(runs, true) && areAlike(runs, false)) {
+    const std::size_t count = runs.size() / 2;
     std::size_t lengths[2] = {0, 0};
     for (const Run& run : runs)
       lengths[run.inked ? 0 : 1] += run.length;
-    shape.dashes = {share(lengths[0], runs.size() / 2), share(lengths[1], runs.size() / 2)};
+    shape.dashes = {share(lengths[0], count), share(lengths[1], count)};
+    shape.dashStart = meanStart(runs, shape.dashes[0], columns);
   } else {
     for (const Run& run : runs)
       shape.dashes.push_back(share(run.length, 1));
+    if (!runs.empty()) shape.dashStart = share(runs.front().begin, 1);
   }
   return shape;
 }

@@ -14,6 +14,7 @@ struct StrokeShape {
   /// Lengths of ink and gap in turn, as shares of the repeat; empty when inked throughout. Dashes
   /// of much the same length are one dash.
   std::vector<float> dashes;
+  float dashStart = 0.0F;  // where the first of them begins, share of the repeat
 };
 
 /// ink: rows of `width` bytes; one repeat from left to right. Specks and pinholes shorter than a

@@ -3,6 +3,7 @@
 
 #include "client/stroke/line_density.h"
 #include "client/stroke/line_fade.h"
+#include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
 #include "client/stroke/stroke_builder.h"
 #include "client/svg/curve_fit.h"
@@ -38,6 +39,9 @@ constexpr std::array<KindName, 8> kKinds = {{
 
 /// Fainter lines are left out.
 constexpr float kFaintest = 0.04F;
+
+/// Dashes of a loop are stretched where they would end up farther than this from the picture's, px.
+constexpr float kLargestDrift = 0.5F;
 
 std::string escaped(std::string_view text) {
   std::string out;
@@ -192,6 +196,37 @@ crowdingOf(const VisibleRun& run, bool isVisible, const LineDensity& density, fl
   return {sum.width / total, sum.opacity / total};
 }
 
+std::string dashText(const std::vector<float>& dashPx, float scale) {
+  std::string text;
+  for (const float dash : dashPx)
+    text += (text.empty() ? "" : " ") + number(dash * scale);
+  return text;
+}
+
+/// Where in the picture's texture a run begins, so that its dashes lie where the picture's do.
+std::string dashAttributes(
+    const VisibleRun& run,
+    const SvgPen& pen,
+    const SpineSet& spines,
+    const SpineArcs& arcs,
+    const SpineParameters& parameters) {
+  float pattern = 0.0F;
+  for (const float dash : pen.dashPx)
+    pattern += dash;
+  if (!(pattern > 0.0F)) return {};
+  const SpineSet::Spine& spine = spines.spines[run.spine];
+  const float length = arcs.length[run.spine];
+  const float start = parameters.from[spine.begin];
+  // Loops are stretched to whole repeats.
+  const float perPx = (parameters.to[spine.end - 1] - start) / length;
+  const float offset = start + perPx * run.arc - pen.dashStartPx;
+  std::string out;
+  if (std::abs(perPx - 1.0F) * length > kLargestDrift)
+    out += attribute("stroke-dasharray", dashText(pen.dashPx, 1.0F / perPx));
+  const float within = offset - pattern * std::floor(offset / pattern);
+  return out + attribute("stroke-dashoffset", number(within / perPx));
+}
+
 std::string
 layerHead(const KindName& kind, bool visible, const SvgPen& pen, const StrokeStyle& style) {
   const char* suffix = visible ? "visible" : "hidden";
@@ -203,12 +238,7 @@ layerHead(const KindName& kind, bool visible, const SvgPen& pen, const StrokeSty
   // Round caps would close the gaps between dashes.
   out += attribute("stroke-linecap", pen.dashPx.empty() ? "round" : "butt");
   out += attribute("stroke-linejoin", "round");
-  if (!pen.dashPx.empty()) {
-    std::string dashes;
-    for (const float dash : pen.dashPx)
-      dashes += (dashes.empty() ? "" : " ") + number(dash);
-    out += attribute("stroke-dasharray", dashes);
-  }
+  if (!pen.dashPx.empty()) out += attribute("stroke-dasharray", dashText(pen.dashPx, 1.0F));
   if (pen.opacity < 1.0F) out += attribute("opacity", number(pen.opacity));
   return out + ">\n";
 }
@@ -228,6 +258,8 @@ std::string svgDrawing(
   dropFaded(spines, fades);
   smoothSpines(style.smoothPx, spines);
   const SpineArcs arcs = measureSpines(spines);
+  SpineParameters parameters;
+  freshParameters(spines, arcs, lines, options.periodPx, parameters);
   const std::vector<VisibleRun> runs = cutAtVisibility(spines, arcs, lines, resolved, scene);
 
   LineDensity density(scene.viewport);
@@ -261,6 +293,7 @@ std::string svgDrawing(
         if (std::abs(width * crowding.width - usual) > 0.05F * usual)
           out += attribute("stroke-width", number(width * crowding.width));
         if (opacity < 0.995F) out += attribute("opacity", number(opacity));
+        out += dashAttributes(run, pen, spines, arcs, parameters);
         out += attribute("d", pathData(fitPath(run.points, ends), ends)) + "/>\n";
       }
       if (!isEmpty) out += "</g>\n";

@@ -20,6 +20,7 @@ struct SvgPen {
   float opacity = 1.0F;
   float widthPx = 2.5F;  // of silhouettes and borders; creases and seams by the style's creaseWidth
   std::vector<float> dashPx;  // ink and gap in turn, at the drawing's width; empty: solid
+  float dashStartPx = 0.0F;   // of the first of them, from where the picture's texture begins
 };
 
 struct SvgOptions {
@@ -29,6 +30,7 @@ struct SvgOptions {
   std::optional<SvgPen> hidden;  // unset: hidden lines are left out
   bool hiddenAsVisible = false;  // hidden lines crowd and fade as visible ones do
   float widthFalloff = 0.0F;     // of both pens: StrokeBuildOptions has it
+  float periodPx = 1.0F;         // of the picture's textures: dashes lie where its own do
 };
 
 /// Lines as an SVG document that a designer can go on with: a layer (as Inkscape has them) for each

@@ -163,7 +163,7 @@ class SpineCutter {
 
   void emit(const SpineSet::Spine& spine, std::uint32_t index, std::vector<VisibleRun>& out) const {
     if (stretches_.size() == 1) {
-      VisibleRun run{{}, index, stretches_.front().visible, spine.closed};
+      VisibleRun run{{}, index, 0.0F, stretches_.front().visible, spine.closed};
       run.points.assign(spines_.points.begin() + spine.begin, spines_.points.begin() + spine.end);
       out.push_back(std::move(run));
       return;
@@ -176,7 +176,7 @@ class SpineCutter {
                          : k > 0  ? stretches_[k - 1].end
                                   : 0.0F;
       const float to = stretches_[k].end;
-      VisibleRun run{{pointAt(spine, from)}, index, stretches_[k].visible, false};
+      VisibleRun run{{pointAt(spine, from)}, index, from, stretches_[k].visible, false};
       if (isAcross) {
         appendBetween(spine, from, length_, run.points);
         run.points.push_back(spines_.points[spine.begin]);

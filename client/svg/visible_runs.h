@@ -17,6 +17,7 @@ namespace limn {
 struct VisibleRun {
   std::vector<glm::vec2> points;  // pixels; a closed run's first point is not repeated
   std::uint32_t spine = 0;
+  float arc = 0.0F;  // along the spine, where it begins
   bool visible = true;
   bool closed = false;
 };

@@ -45,11 +45,11 @@ def share_near(ours, theirs, reach):
 
 class Svg(Case):
 
-    def render(self, shape, *arguments):
+    def render(self, shape, *arguments, style="ink"):
         mesh = write_obj(self.folder / "shape.obj", shape)
         svg, picture = self.folder / "drawing.svg", self.folder / "picture.png"
         run("limn-client", "render", "--mesh", mesh, "--camera", "orbit:40,25", "--size", "%dx%d" % (SIZE, SIZE), "--style",
-            "ink", "--gl", "osmesa", "--svg", svg, "--out", picture, *arguments)
+            style, "--gl", "osmesa", "--svg", svg, "--out", picture, *arguments)
         return svg, picture
 
     def test_is_a_document_in_layers_of_closed_and_open_paths(self):
@@ -98,6 +98,17 @@ class Svg(Case):
                 self.assertGreater(len(theirs), 500)
                 self.assertGreater(share_near(ours, theirs, 1), 0.99, kind)
                 self.assertGreater(share_near(theirs, ours, 1), 0.99, kind)
+
+    def test_dashes_lie_where_the_pictures_do(self):
+        if not shutil.which("rsvg-convert"):
+            self.skipTest("no rsvg-convert: install librsvg2-bin")
+        svg, picture = self.render(torus(96, 48, 0.3), style="technical")
+        self.assertIn("stroke-dashoffset", svg.read_text())
+        raster = self.folder / "raster.png"
+        subprocess.run(["rsvg-convert", str(svg), "-o", str(raster)], check=True)
+        ours, theirs = inked(raster), inked(picture)
+        self.assertGreater(share_near(ours, theirs, 1), 0.98)
+        self.assertGreater(share_near(theirs, ours, 1), 0.98)
 
 
 if __name__ == "__main__":

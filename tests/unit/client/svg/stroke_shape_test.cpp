@@ -34,6 +34,16 @@ TEST(StrokeShape, DashesOfOneLengthAreOneDash) {
   EXPECT_EQ(strokeShape(picture("####...####..."), 14).dashes, (std::vector{4 / 14.F, 3 / 14.F}));
 }
 
+TEST(StrokeShape, DashesBeginWhereThePicturesDo) {
+  EXPECT_FLOAT_EQ(strokeShape(picture("..####...####."), 14).dashStart, 2 / 14.F);
+  EXPECT_FLOAT_EQ(strokeShape(picture("##...####...##"), 14).dashStart, 12 / 14.F);
+  EXPECT_FLOAT_EQ(
+      strokeShape(picture("#...#....#######"), 16).dashStart,
+      4 / 16.F);  // dash and dot
+  // Dashes of 3 and 5 are both 4, their middles where they were in the mean.
+  EXPECT_FLOAT_EQ(strokeShape(picture("###.....#####..."), 16).dashStart, 0.0F);
+}
+
 TEST(StrokeShape, DashAndDotStayApartAndFillTheRepeat) {
   const StrokeShape shape = strokeShape(picture("##########...#..."), 17);
   ASSERT_EQ(shape.dashes.size(), 4U);

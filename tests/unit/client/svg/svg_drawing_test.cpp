@@ -2,6 +2,8 @@
 #include "client/svg/svg_drawing.h"
 
 #include "client/stroke/chain.h"
+#include "client/stroke/parameters.h"
+#include "client/stroke/spine.h"
 #include "client/svg/visible_runs.h"
 
 #include "shared/mesh/primitives.h"
@@ -9,7 +11,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -87,6 +91,45 @@ TEST(SvgDrawing, LeavesHiddenLinesOutWhenTold) {
       svgDrawing(drawn.lines, drawn.resolved, drawn.scene(), StrokeStyle{}, without);
   EXPECT_FALSE(has(svg, "hidden"));
   EXPECT_TRUE(has(svg, "<path"));
+}
+
+/// The number after `name="`, from `at` on.
+double numberOf(const std::string& svg, const std::string& name, std::size_t at) {
+  return std::stod(svg.substr(svg.find(name + "=\"", at) + name.size() + 2));
+}
+
+TEST(SvgDrawing, DashesGoOnWhereALineComesOutAgain) {
+  // A loop's hidden parts all take their dashes from the one texture along it.
+  const Drawn drawn;
+  SvgOptions dashed = options();
+  dashed.visible.dashPx = {4.0F, 2.0F};
+  dashed.hidden->dashPx = {4.0F, 2.0F};
+  dashed.periodPx = 60.0F;
+  const std::string svg =
+      svgDrawing(drawn.lines, drawn.resolved, drawn.scene(), StrokeStyle{}, dashed);
+  SpineSet spines = projectLines(drawn.lines, drawn.scene());
+  smoothSpines(StrokeStyle{}.smoothPx, spines);
+  const SpineArcs arcs = measureSpines(spines);
+  SpineParameters parameters;
+  freshParameters(spines, arcs, drawn.lines, 60.0F, parameters);
+  std::size_t checked = 0;
+  for (const VisibleRun& run :
+       cutAtVisibility(spines, arcs, drawn.lines, drawn.resolved, drawn.scene())) {
+    const SpineSet::Spine& spine = spines.spines[run.spine];
+    const double start = parameters.from[spine.begin];
+    const double perPx = (parameters.to[spine.end - 1] - start) / arcs.length[run.spine];
+    // Its path starts at the run's first point, to a hundredth of a pixel.
+    char begin[64];
+    std::snprintf(begin, sizeof begin, "d=\"M%.6g", std::round(100.0 * run.points[0].x) / 100.0);
+    const std::size_t path = svg.find(begin);
+    if (path == std::string::npos) continue;
+    const double offset = numberOf(svg, "stroke-dashoffset", svg.rfind("<path", path));
+    const double wanted = std::fmod(start + perPx * run.arc, 6.0) / perPx;
+    const double apart = std::abs(offset - wanted);
+    EXPECT_LT(std::min(apart, 6.0 / perPx - apart), 0.01);
+    ++checked;
+  }
+  EXPECT_GT(checked, 2U);
 }
 
 TEST(SvgDrawing, ADrawingOfNothingIsStillADocument) {
