@@ -37,9 +37,8 @@ TEST(StrokeShape, DashesOfOneLengthAreOneDash) {
 TEST(StrokeShape, DashesBeginWhereThePicturesDo) {
   EXPECT_FLOAT_EQ(strokeShape(picture("..####...####."), 14).dashStart, 2 / 14.F);
   EXPECT_FLOAT_EQ(strokeShape(picture("##...####...##"), 14).dashStart, 12 / 14.F);
-  EXPECT_FLOAT_EQ(
-      strokeShape(picture("#...#....#######"), 16).dashStart,
-      4 / 16.F);  // dash and dot
+  // Dash and dot; the dash goes on from the end round to the beginning.
+  EXPECT_FLOAT_EQ(strokeShape(picture("#...#....#######"), 16).dashStart, 9 / 16.F);
   // Dashes of 3 and 5 are both 4, their middles where they were in the mean.
   EXPECT_FLOAT_EQ(strokeShape(picture("###.....#####..."), 16).dashStart, 0.0F);
 }
