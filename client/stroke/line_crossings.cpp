@@ -128,6 +128,38 @@ void LineCrossings::crossInPicture(
     const glm::dvec3& p,
     const glm::dvec3& q,
     std::vector<Crossing>& out) const {
+  crossCells(
+      p,
+      q,
+      0.0F,
+      [](std::uint32_t) {},
+      out);
+}
+
+void LineCrossings::crossInPicture(
+    const glm::dvec3& p,
+    const glm::dvec3& q,
+    std::vector<Crossing>& out,
+    Beside beside) const {
+  crossCells(
+      p,
+      q,
+      beside.reachPx,
+      [&](std::uint32_t edge) {
+        if (edge < beside.exceptFrom || edge >= beside.exceptTo) beside.edges.push_back(edge);
+      },
+      out);
+}
+
+// visitNear(edge) for edges of the cells on the way, not farther away than it, whose box is within
+// reachPx.
+template <class VisitNear>
+void LineCrossings::crossCells(
+    const glm::dvec3& p,
+    const glm::dvec3& q,
+    float reachPx,
+    VisitNear visitNear,
+    std::vector<Crossing>& out) const {
   if (cellBegin_.empty()) return;
   const glm::dvec2 along(q - p);
   const Entry own = entryOf(p, q, 0);
@@ -136,9 +168,11 @@ void LineCrossings::crossInPicture(
   forCells(glm::dvec2(p), glm::dvec2(q), [&](std::uint32_t cell) {
     for (std::uint32_t k = cellBegin_[cell]; k < cellBegin_[cell + 1]; ++k) {
       const Entry& entry = cellEdges_[k];
-      if (entry.nearest > farthest || entry.lowX > own.highX || entry.highX < own.lowX ||
-          entry.lowY > own.highY || entry.highY < own.lowY)
+      if (entry.nearest > farthest || entry.lowX > own.highX + reachPx ||
+          entry.highX < own.lowX - reachPx || entry.lowY > own.highY + reachPx ||
+          entry.highY < own.lowY - reachPx)
         continue;
+      visitNear(entry.edge);
       const Edge& edge = edges_[entry.edge];
       const glm::dvec2 across(edge.b - edge.a);
       const glm::dvec2 gap(edge.a - p);
@@ -156,7 +190,8 @@ void LineCrossings::crossInPicture(
       const double nearer = depth - (edge.a.z + u * (edge.b.z - edge.a.z));
       if (!(nearer > kBefore)) continue;
       // Rows run down: det > 0 is towards the edge's left.
-      out.push_back({0.0, s, (det > 0.0) == (edge.side == Surface::kLeft), nearer, edge.face});
+      out.push_back(
+          {0.0, s, (det > 0.0) == (edge.side == Surface::kLeft), nearer, edge.face, entry.edge});
     }
   });
   if (out.size() < before + 2) return;
@@ -169,6 +204,17 @@ void LineCrossings::crossInPicture(
     return x.inPicture == y.inPicture && x.face == y.face;
   };
   out.erase(std::unique(begin, out.end(), isSame), out.end());
+}
+
+bool LineCrossings::isBefore(std::uint32_t edge, const glm::dvec3& place, double reachPx) const {
+  const glm::dvec3& a = edges_[edge].a;
+  const glm::dvec3 along = edges_[edge].b - a;
+  const glm::dvec2 course(along);
+  const glm::dvec2 gap(place - a);
+  const double length2 = glm::dot(course, course);
+  const double u = length2 > 0.0 ? std::clamp(glm::dot(gap, course) / length2, 0.0, 1.0) : 0.0;
+  const glm::dvec2 off = gap - u * course;
+  return glm::dot(off, off) <= reachPx * reachPx && a.z + u * along.z < place.z;
 }
 
 }  // namespace limn

@@ -32,6 +32,7 @@ class LineCrossings {
     bool enters = false;     // goes behind the surface there, or comes out from behind it
     double gap = 0.0;        // how much farther away than the edge the line is, window depth
     FaceId face = kNone;     // of the edge
+    std::uint32_t edge = 0;  // its number in the order of adding
   };
 
   /// An edge of a face between two points in clip space. What lies outside the picture is left out.
@@ -52,6 +53,27 @@ class LineCrossings {
   /// The same between two places in the picture (pixels, window depth); inSpace is not set.
   void crossInPicture(const glm::dvec3& p, const glm::dvec3& q, std::vector<Crossing>& out) const;
 
+  /// What else is found beside a line: edges by their numbers in the order of adding.
+  struct Beside {
+    float reachPx = 0.0F;
+    /// Edges from … to − 1 do not count.
+    std::uint32_t exceptFrom = 0;
+    std::uint32_t exceptTo = 0;
+    /// Appended to: those of the cells that the line passes through whose box comes within reachPx
+    /// of the line's; some may come twice.
+    std::vector<std::uint32_t>& edges;
+  };
+
+  /// The same, and what there is beside.
+  void crossInPicture(
+      const glm::dvec3& p,
+      const glm::dvec3& q,
+      std::vector<Crossing>& out,
+      Beside beside) const;
+
+  /// Whether an edge comes within reachPx of a place and is nearer to the eye where it does.
+  [[nodiscard]] bool isBefore(std::uint32_t edge, const glm::dvec3& place, double reachPx) const;
+
  private:
   struct Edge {
     glm::dvec3 a;  // x, y in pixels, window depth
@@ -71,6 +93,14 @@ class LineCrossings {
   };
 
   [[nodiscard]] static Entry entryOf(const glm::dvec3& a, const glm::dvec3& b, std::uint32_t edge);
+
+  template <class VisitNear>
+  void crossCells(
+      const glm::dvec3& p,
+      const glm::dvec3& q,
+      float reachPx,
+      VisitNear visitNear,
+      std::vector<Crossing>& out) const;
 
   /// visit(cell) for every cell that the segment passes through; some may come twice.
   template <class Visit>

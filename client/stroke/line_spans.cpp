@@ -13,6 +13,7 @@
 #include "client/stroke/line_spans.h"
 
 #include "client/stroke/clip_segment.h"
+#include "client/stroke/cover_search.h"
 #include "client/stroke/outline_walk.h"
 #include "client/stroke/segment_facts.h"
 
@@ -46,7 +47,7 @@ glm::dmat4 clipFromGrid(const LineScene& scene) {
 /// Cuts the lines of one view.
 class SpanCutter {
  public:
-  using Segment = LineSpanFinder::Segment;
+  using Segment = SpanSegment;
   using State = LineSpans::State;
 
   SpanCutter(
@@ -60,6 +61,7 @@ class SpanCutter {
         out_(out),
         judge_(lines, scene),
         walk_(scene),
+        search_(scene),
         clipFromGrid_(clipFromGrid(scene)),
         eye_(scene.grid.fromModel(scene.camera.eye)),
         toEyeAtInfinity_(-scene.camera.forward()),
@@ -89,8 +91,12 @@ class SpanCutter {
     }
     memory_.lineBegin_.push_back(static_cast<std::uint32_t>(memory_.segments_.size()));
     memory_.crossings_.begin(scene_.viewport);
-    for (const Segment& segment : memory_.segments_) {
+    memory_.edgeSegment_.clear();
+    for (std::uint32_t i = 0; i < memory_.segments_.size(); ++i) {
+      Segment& segment = memory_.segments_[i];
       if (!segment.isInPicture || segment.openSide == 0) continue;
+      segment.edge = static_cast<std::uint32_t>(memory_.edgeSegment_.size());
+      memory_.edgeSegment_.push_back(i);
       memory_.crossings_.addEdgeInPicture(
           segment.from,
           segment.to,
@@ -108,8 +114,10 @@ class SpanCutter {
                                   memory_.lineBegin_[index],
                                   memory_.lineBegin_[index + 1] - memory_.lineBegin_[index]);
     firstSpan_ = out_.states.size();
+    const std::size_t firstPiece = out_.pieces.size();
     bool goesOn = false;  // whether the next piece belongs to the span of the one before
-    for (const Segment& segment : segments) {
+    memory_.near_.clear();
+    for (Segment& segment : segments) {
       out_.begin.resize(segment.point + 1, static_cast<std::uint32_t>(out_.pieces.size()));
       if (!goesOn || segment.isHiddenAtStart) out_.states.push_back(State::kOpen);
       if (segment.isHiddenAtStart) out_.states.back() = State::kHidden;
@@ -128,6 +136,7 @@ class SpanCutter {
     // A loop's last span goes on as its first.
     if (line.closed && goesOn && !segments.front().isHiddenAtStart) joinSeam();
     probe(segments);
+    if (!isPolygonal_) cover(segments, firstPiece);
   }
 
  private:
@@ -172,7 +181,10 @@ class SpanCutter {
     const glm::dvec3 from(lines_.points[begin]);
     const glm::dvec3 to(lines_.points[segment.next]);
     const HalfEdgeId h = lines_.halfEdges[point];
+    segment.isSmooth = h == kNone;
     segment.face = h != kNone ? HalfEdgeMesh::face(h) : lines_.faces[point];
+    const HalfEdgeId twin = h != kNone ? scene_.mesh.twin(h) : kNone;
+    if (twin != kNone) segment.other = HalfEdgeMesh::face(twin);
     if (segment.face < scene_.mesh.faceCount()) {
       if (h != kNone) {
         judgeEdge(h, isContour(line), from, to, segment);
@@ -193,10 +205,24 @@ class SpanCutter {
     const ClipSpan span = clipSegment(a, b);
     segment.isInPicture = !span.empty();
     if (segment.isInPicture) {
+      if (segment.coveredFromStart > 0.0F || segment.coveredFromEnd > 0.0F)
+        coveredInPicture(a.w, b.w, span, segment);
       segment.from = pixelFromClip(a + span.begin * (b - a), scene_.viewport);
       segment.to = pixelFromClip(span.end < 1.0 ? a + span.end * (b - a) : b, scene_.viewport);
     }
     return segment;
+  }
+
+  // Shares of a segment in space become those of its part in the picture.
+  static void coveredInPicture(double aw, double bw, const ClipSpan& part, Segment& segment) {
+    const auto inPicture = [&](double share, double from, double to) {
+      const double in = std::clamp((share - part.begin) / (part.end - part.begin), 0.0, 1.0);
+      return static_cast<float>(in * to / ((1.0 - in) * from + in * to));
+    };
+    const double from = aw + part.begin * (bw - aw);
+    const double to = aw + part.end * (bw - aw);
+    segment.coveredFromStart = inPicture(segment.coveredFromStart, from, to);
+    segment.coveredFromEnd = 1.0F - inPicture(1.0 - segment.coveredFromEnd, from, to);
   }
 
   void judgeEdge(
@@ -222,11 +248,14 @@ class SpanCutter {
       if (isFrontHere != isFrontThere) segment.openSide = side;
     }
     if (!isPolygonal_) {
-      // Where it comes out again is not known: half-hidden edges are what most of them is.
       if (segment.openSide == 0 || twin == kNone) return;
-      const glm::dvec3 toEye = towardEye(edgeMiddle(scene_.mesh, scene_.positions, h));
-      segment.isHiddenAtStart = isCoveredNearby(scene_.mesh, scene_.positions, h, toEye);
-      segment.isHiddenAtEnd = segment.isHiddenAtStart;
+      const auto covered = [&](const glm::dvec3& end, const glm::dvec3& other) {
+        if (end != origin && end != target) return 0.0F;  // inside the edge
+        return static_cast<float>(
+            search_.coveredShare(end == origin ? h : twin, other, segment.face, segment.other));
+      };
+      segment.coveredFromStart = covered(from, to);
+      segment.coveredFromEnd = covered(to, from);
       return;
     }
     const auto isCovered = [&](const glm::dvec3& end, const glm::dvec3& along) {
@@ -239,17 +268,31 @@ class SpanCutter {
   }
 
   // Where a segment passes behind others' surfaces (found_).
-  void meet(const PolylineSet::Line& line, const Segment& segment) {
+  void meet(const PolylineSet::Line& line, Segment& segment) {
     std::vector<LineCrossings::Crossing>& found = memory_.found_;
     found.clear();
     if (!segment.isInPicture || segment.isHidden) return;
-    memory_.crossings_.crossInPicture(segment.from, segment.to, found);
+    if (isPolygonal_) {
+      memory_.crossings_.crossInPicture(segment.from, segment.to, found);
+    } else {
+      segment.nearBegin = static_cast<std::uint32_t>(memory_.near_.size());
+      // The line itself goes on in the edges before and after its own.
+      memory_.crossings_.crossInPicture(
+          segment.from,
+          segment.to,
+          found,
+          {kCoverReachPx,
+           segment.edge == 0 ? 0 : segment.edge - 1,
+           segment.edge + 2,
+           memory_.near_});
+      segment.nearEnd = static_cast<std::uint32_t>(memory_.near_.size());
+    }
     leaveOutOwn(line, segment);
   }
 
   void leaveOutOwn(const PolylineSet::Line& line, const Segment& segment) {
     std::vector<LineCrossings::Crossing>& found = memory_.found_;
-    if (isPolygonal_ || found.empty() || lines_.halfEdges[segment.point] != kNone) return;
+    if (isPolygonal_ || found.empty() || !segment.isSmooth) return;
     const double own = kOwnSurface * judge_.judge(line, segment.point, segment.next).bias;
     std::erase_if(found, [&](const LineCrossings::Crossing& c) { return c.gap < own; });
   }
@@ -300,6 +343,7 @@ class SpanCutter {
   void forOpenPieces(std::span<const Segment> segments, Visit visit) {
     for (const Segment& segment : segments) {
       if (segment.openSide == 0 || !segment.isInPicture) continue;
+      if (segment.isSmooth && !isPolygonal_) continue;  // cover() asks for them
       double from = 0.0;
       for (std::size_t i = out_.begin[segment.point]; from < 1.0; ++i) {
         const std::uint32_t span = out_.pieces[i].span;
@@ -310,20 +354,75 @@ class SpanCutter {
     }
   }
 
+  // Parts that surfaces beside them cover are hidden, whatever their span is.
+  void cover(std::span<const Segment> segments, std::size_t firstPiece) {
+    CoveredParts& covered = memory_.covered_;
+    const CoveredParts::View view{
+        lines_,
+        memory_.crossings_,
+        memory_.segments_,
+        memory_.edgeSegment_,
+        memory_.near_};
+    covered.begin();
+    for (const Segment& segment : segments) {
+      if (segment.openSide == 0 || !segment.isInPicture) {
+        covered.flush(view, search_);
+        continue;
+      }
+      float from = 0.0F;
+      for (std::uint32_t i = out_.begin[segment.point]; from < 1.0F; ++i) {
+        const LineSpans::Piece& piece = out_.pieces[i];
+        if (out_.states[piece.span] == State::kHidden) {
+          covered.flush(view, search_);
+        } else {
+          covered.add(view, search_, segment, {i, from, piece.end});
+        }
+        from = piece.end;
+      }
+    }
+    covered.flush(view, search_);
+    if (!covered.parts().empty()) hideParts(segments.front().begin, firstPiece);
+  }
+
+  // Cuts the pieces of a line, from its first point's on, where covered parts of them begin and
+  // end.
+  void hideParts(std::uint32_t firstPoint, std::size_t firstPiece) {
+    const auto hidden = static_cast<std::uint32_t>(out_.states.size());
+    out_.states.push_back(State::kHidden);
+    std::vector<LineSpans::Piece>& old = memory_.pieces_;
+    old.assign(out_.pieces.begin() + static_cast<std::ptrdiff_t>(firstPiece), out_.pieces.end());
+    out_.pieces.resize(firstPiece);
+    const std::span<const CoveredParts::Part> parts = memory_.covered_.parts();
+    std::size_t part = 0;
+    std::size_t next = 0;  // of the old ones
+    for (std::size_t point = firstPoint; point < out_.begin.size(); ++point) {
+      const std::size_t end =
+          point + 1 < out_.begin.size() ? out_.begin[point + 1] - firstPiece : old.size();
+      out_.begin[point] = static_cast<std::uint32_t>(out_.pieces.size());
+      for (float at = 0.0F; next < end; ++next) {
+        for (; part < parts.size() && parts[part].piece == firstPiece + next; ++part) {
+          if (parts[part].from > at) out_.pieces.push_back({parts[part].from, old[next].span});
+          out_.pieces.push_back({parts[part].to, hidden});
+          at = parts[part].to;
+        }
+        if (old[next].end > at || at == 0.0F) out_.pieces.push_back(old[next]);
+        at = old[next].end;
+      }
+    }
+  }
+
   // Whether a place of an edge is covered by the surface around the edge's ends.
   [[nodiscard]] bool isCoveredAround(const Segment& segment, double t) const {
     const glm::dvec3 place = placeAt(segment, t);
     const HalfEdgeId edge = lines_.halfEdges[segment.point];
-    if (edge == kNone) return false;
     const HalfEdgeId twin = scene_.mesh.twin(edge);
-    const FaceId other = otherFace(segment);
     for (const HalfEdgeId start : {edge, twin}) {
       if (start == kNone) continue;
       for (HalfEdgeId h = scene_.mesh.rotateCcw(start); h != kNone && h != start;
            h = scene_.mesh.rotateCcw(h)) {
         const FaceId face = HalfEdgeMesh::face(h);
-        if (face != segment.face && face != other &&
-            walk_.covers(face, place, segment.face, other) == OutlineWalk::Answer::kCovers)
+        if (face != segment.face && face != segment.other &&
+            walk_.covers(face, place, segment.face, segment.other) == OutlineWalk::Answer::kCovers)
           return true;
       }
     }
@@ -342,28 +441,18 @@ class SpanCutter {
     memory_.crossings_.crossInPicture(start, start + step, found);
     if (found.empty()) return false;
     const glm::dvec3 place = placeAt(segment, t);
-    const FaceId other = otherFace(segment);
-    // Of a smooth silhouette only what is certain: its own surface's outline is beside it.
-    const bool isSmooth = lines_.halfEdges[segment.point] == kNone;
     int entered = 0;
     for (const LineCrossings::Crossing& c : found) {
       const bool isBefore = c.gap > behind;
       if (isBefore) entered += c.enters ? 1 : -1;
       if (c.enters) continue;
-      const OutlineWalk::Answer answer = walk_.covers(c.face, place, segment.face, other);
+      const OutlineWalk::Answer answer = walk_.covers(c.face, place, segment.face, segment.other);
       if (answer == OutlineWalk::Answer::kCovers) return true;
       // Where the way over the surface is not known: coming out without having gone in.
-      if (!isSmooth && answer == OutlineWalk::Answer::kUnknown && isBefore && entered < 0)
+      if (answer == OutlineWalk::Answer::kUnknown && isBefore && entered < 0)
         return isBehind(place, c.face);
     }
     return false;
-  }
-
-  // The face across a segment's edge, if any.
-  [[nodiscard]] FaceId otherFace(const Segment& segment) const {
-    const HalfEdgeId edge = lines_.halfEdges[segment.point];
-    const HalfEdgeId twin = edge != kNone ? scene_.mesh.twin(edge) : kNone;
-    return twin != kNone ? HalfEdgeMesh::face(twin) : kNone;
   }
 
   // Grid units. The share is that in the picture: close enough where a segment is short to the eye.
@@ -387,6 +476,7 @@ class SpanCutter {
   LineSpans& out_;
   SegmentJudge judge_;
   OutlineWalk walk_;
+  CoverSearch search_;
   glm::dmat4 clipFromGrid_;
   glm::dvec3 eye_;  // grid units
   glm::dvec3 toEyeAtInfinity_;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/covered_parts.h"
 #include "client/stroke/line_crossings.h"
 #include "client/stroke/line_scene.h"
 #include "client/stroke/polyline.h"
+#include "client/stroke/span_segment.h"
 
 #include <glm/glm.hpp>
 
@@ -58,22 +60,6 @@ class LineSpanFinder {
  private:
   friend class SpanCutter;
 
-  /// A segment as the picture has it.
-  struct Segment {
-    glm::dvec3 from{0.0};  // pixels, window depth
-    glm::dvec3 to{0.0};
-    std::uint32_t begin = 0;  // points: where it starts, whose answers it has, where it ends
-    std::uint32_t point = 0;
-    std::uint32_t next = 0;
-    FaceId face = kNone;
-    bool isInPicture = false;
-    bool isHidden = false;  // by its own surface, all along it
-    bool isHiddenAtStart = false;
-    bool isHiddenAtEnd = false;
-    /// Where in the picture its surface ends: 1 right of it, −1 left, 0 nowhere.
-    std::int8_t openSide = 0;
-  };
-
   /// How many probes of a span there were, and how many say that it is hidden.
   struct Probes {
     double lengthPx = 0.0;
@@ -82,10 +68,14 @@ class LineSpanFinder {
   };
 
   LineCrossings crossings_;
-  std::vector<Segment> segments_;
+  std::vector<SpanSegment> segments_;
   std::vector<std::uint32_t> lineBegin_;  // by line, and one past the last: into segments_
   std::vector<Probes> probes_;            // by span of the line at hand
   std::vector<LineCrossings::Crossing> found_;
+  std::vector<std::uint32_t> edgeSegment_;  // by edge of crossings_: into segments_
+  std::vector<std::uint32_t> near_;  // edges of crossings_ beside segments of the line at hand
+  CoveredParts covered_;
+  std::vector<LineSpans::Piece> pieces_;  // of the line at hand
 };
 
 /// clip space ← grid units.

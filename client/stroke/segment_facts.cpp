@@ -15,6 +15,19 @@ constexpr float kReachPx = 1.5F;
 /// A smooth silhouette that lies farther inside its mesh's outline than this is on its own.
 constexpr double kMostStandOutPx = 16.0;
 
+/// Beside a face this narrow (its height for its longest side) pixels have the depth of the faces
+/// around it, taken as no more than this many times the least bias: those of machines are large,
+/// and as steep as you like.
+constexpr double kSliver = 0.05;
+constexpr double kMostOfSliver = 32.0;
+
+bool isSliver(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const glm::dvec3 n = glm::cross(b - a, c - a);
+  const double longest2 =
+      std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
+  return glm::dot(n, n) < kSliver * kSliver * longest2 * longest2;
+}
+
 }  // namespace
 
 SegmentJudge::SegmentJudge(const PolylineSet& lines, const LineScene& scene)
@@ -79,6 +92,15 @@ float SegmentJudge::slopeBias(FaceId face, float reachPx) const {
   return static_cast<float>(floor_ + rise);
 }
 
+float SegmentJudge::biasAround(FaceId face) const {
+  float bias = 0.0F;
+  for (HalfEdgeId h = 3 * face; h < 3 * face + 3; ++h) {
+    const HalfEdgeId twin = scene_.mesh.twin(h);
+    if (twin != kNone) bias = std::max(bias, slopeBias(HalfEdgeMesh::face(twin), kReachPx));
+  }
+  return std::min(bias, static_cast<float>(kMostOfSliver * floor_));
+}
+
 SegmentFacts SegmentJudge::judgeSmooth(FaceId face, std::uint32_t point, std::uint32_t next) const {
   const glm::dvec3 a = corner(3 * face);
   const glm::dvec3 b = corner(3 * face + 1);
@@ -112,6 +134,7 @@ SegmentFacts SegmentJudge::judgeSmooth(FaceId face, std::uint32_t point, std::ui
     standOut = std::max(standOut, glm::dot(glm::dvec2(there) - start, outward));
   }
   facts.bias = static_cast<float>(floor_ + farthest - nearest);
+  if (isSliver(a, b, c)) facts.bias = std::max(facts.bias, biasAround(face));
   facts.standOutPx = static_cast<float>(std::min(standOut, kMostStandOutPx));
   return facts;
 }

@@ -44,6 +44,8 @@ class SegmentJudge {
       const;
   /// Depth that face may rise within reachPx of a line on it, at most its own depth range.
   [[nodiscard]] float slopeBias(FaceId face, float reachPx) const;
+  /// Of the faces across a sliver's edges.
+  [[nodiscard]] float biasAround(FaceId face) const;
   [[nodiscard]] glm::dvec4 clipOf(const glm::dvec3& p) const;
   /// Pixels and window depth; all 0 behind the eye.
   [[nodiscard]] glm::dvec3 project(const glm::dvec4& clip) const;

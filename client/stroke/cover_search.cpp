@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/stroke/cover_search.h"
+
+#include <algorithm>
+
+namespace limn {
+namespace {
+
+/// Faces that a place is nearer to than this (grid units) are those it lies on.
+constexpr double kOnSurface = 1e-4;
+
+}  // namespace
+
+CoverSearch::CoverSearch(const LineScene& scene)
+    : scene_(scene),
+      eye_(scene.grid.fromModel(scene.camera.eye)),
+      toEyeAtInfinity_(-scene.camera.forward()) {}
+
+bool CoverSearch::isOwn(FaceId face, const Place& place) const {
+  if (place.own == Own::kFace) return face == place.face || face == place.other;
+  for (HalfEdgeId h = 3 * face; h < 3 * face + 3; ++h) {
+    for (HalfEdgeId own = 3 * place.face; own < 3 * place.face + 3; ++own) {
+      if (scene_.mesh.origin(h) == scene_.mesh.origin(own)) return true;
+    }
+  }
+  return false;
+}
+
+// Whether the way from a place to the eye meets a face; its edges count.
+bool CoverSearch::isBefore(FaceId face, const glm::dvec3& place, const glm::dvec3& way) const {
+  const glm::dvec3 a = corner(3 * face) - place;
+  const glm::dvec3 b = corner(3 * face + 1) - place;
+  const glm::dvec3 c = corner(3 * face + 2) - place;
+  const glm::dvec3 across = glm::cross(way, a);
+  const double ab = glm::dot(across, b);
+  const double ca = -glm::dot(across, c);
+  if (ab * ca < 0.0) return false;
+  const double bc = glm::dot(way, glm::cross(b, c));
+  if (ab * bc < 0.0 || ca * bc < 0.0) return false;
+  const glm::dvec3 n = glm::cross(b - a, c - a);
+  const double facing = glm::dot(n, way);
+  return facing != 0.0 && glm::dot(n, a) / facing * glm::length(way) > kOnSurface;
+}
+
+bool CoverSearch::covers(std::span<const FaceId> start, const Place& place) {
+  const glm::dvec3 way = towardEye(place.at);
+  tried_.assign(start.begin(), start.end());
+  std::size_t next = 0;
+  for (int ring = 0; ring <= kRings; ++ring) {
+    for (const std::size_t end = tried_.size(); next < end; ++next) {
+      const FaceId face = tried_[next];
+      if (isBefore(face, place.at, way) && !isOwn(face, place)) return true;
+      if (ring == kRings) continue;
+      for (HalfEdgeId h = 3 * face; h < 3 * face + 3; ++h) {
+        const HalfEdgeId twin = scene_.mesh.twin(h);
+        if (twin == kNone) continue;
+        const FaceId beside = HalfEdgeMesh::face(twin);
+        if (std::find(tried_.begin(), tried_.end(), beside) == tried_.end())
+          tried_.push_back(beside);
+      }
+    }
+  }
+  return false;
+}
+
+glm::dvec3 CoverSearch::outside(FaceId face, const glm::dvec3& along, const glm::dvec3& place)
+    const {
+  glm::dvec3 out = glm::cross(along, towardEye(place));
+  const double length = glm::length(out);
+  if (!(length > 0.0)) return place;
+  const glm::dvec3 a = corner(3 * face) - place;
+  const glm::dvec3 b = corner(3 * face + 1) - place;
+  const glm::dvec3 c = corner(3 * face + 2) - place;
+  out *= (glm::dot(out, glm::cross(b - a, c - a)) < 0.0 ? -1.0 : 1.0) / length;
+  return place + std::max({0.0, glm::dot(a, out), glm::dot(b, out), glm::dot(c, out)}) * out;
+}
+
+// The share of apex + s · along, s from 0 to 1, that the face of a corner at the apex covers: lines
+// from there lie before or behind the face's plane all along, and leave the face once.
+double CoverSearch::coveredBy(HalfEdgeId h, const glm::dvec3& apex, const glm::dvec3& along) const {
+  const glm::dvec3 way = towardEye(apex);
+  const glm::dvec3 b = corner(HalfEdgeMesh::next(h)) - apex;
+  const glm::dvec3 c = corner(HalfEdgeMesh::prev(h)) - apex;
+  // Close to the apex the face is the cone of its two edges there [MollerTrumbore97].
+  const glm::dvec3 q = glm::cross(way, c);
+  const double det = glm::dot(b, q);
+  if (det == 0.0) return 0.0;
+  const double sign = det > 0.0 ? 1.0 : -1.0;
+  const glm::dvec3 r = glm::cross(along, b);
+  if (sign * glm::dot(along, q) < 0.0 || sign * glm::dot(way, r) < 0.0 ||
+      !(sign * glm::dot(c, r) > 0.0))
+    return 0.0;
+  // Where the plane through the eye and the edge across meets the line.
+  const glm::dvec3 across = glm::cross(c - b, towardEye(apex + b));
+  const double share = glm::dot(across, b) / glm::dot(across, along);
+  return share > 0.0 && share < 1.0 ? share : 1.0;
+}
+
+double CoverSearch::coveredShare(HalfEdgeId out, const glm::dvec3& to, FaceId own, FaceId ownOther)
+    const {
+  const glm::dvec3 apex = corner(out);
+  double share = 0.0;
+  const auto meet = [&](HalfEdgeId h) {
+    const FaceId face = HalfEdgeMesh::face(h);
+    if (face != own && face != ownOther) share = std::max(share, coveredBy(h, apex, to - apex));
+  };
+  HalfEdgeId h = out;
+  do {
+    meet(h);
+    h = scene_.mesh.rotateCcw(h);
+  } while (h != kNone && h != out);
+  if (h != kNone) return share;
+  for (h = scene_.mesh.rotateCw(out); h != kNone; h = scene_.mesh.rotateCw(h))
+    meet(h);
+  return share;
+}
+
+}  // namespace limn
