@@ -1,49 +1,61 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "client/apps/command_line.h"
 #include "client/apps/render_command.h"
-#include "client/apps/render_options.h"
 #include "client/apps/sweep_command.h"
 #ifdef LIMN_WITH_WINDOW
 #include "client/apps/view_command.h"
 #endif
 
+#include "shared/core/exit_status.h"
+
 #include <cstdio>
 #include <string>
+#include <variant>
 #include <vector>
 
+namespace limn {
 namespace {
 
-constexpr int kFailed = 1;
-constexpr int kWrongUsage = 2;
-
-int complain(const limn::Error& error, int status) {
+int complain(const Error& error, int status) {
   std::fprintf(stderr, "limn-client: %s\n", error.message.c_str());
   return status;
 }
 
-limn::Result<void> run(const limn::CommandLine& commandLine) {
-  if (commandLine.render) return limn::runRender(*commandLine.render);
-  if (commandLine.sweep) return limn::runSweep(*commandLine.sweep);
+Result<void> run(const RenderCommandOptions& options) {
+  return runRender(options);
+}
+
+Result<void> run(const SweepCommandOptions& options) {
+  return runSweep(options);
+}
+
+Result<void> run([[maybe_unused]] const ViewCommandOptions& options) {
 #ifdef LIMN_WITH_WINDOW
-  if (commandLine.view) return limn::runView(*commandLine.view);
+  return runView(options);
 #else
-  if (commandLine.view) {
-    return limn::fail(
-        limn::ErrorCode::kUnsupported,
-        "this limn-client was built without a window (LIMN_WITH_WINDOW): use render");
-  }
+  return fail(
+      ErrorCode::kUnsupported,
+      "this limn-client was built without a window (LIMN_WITH_WINDOW): use render");
 #endif
-  std::fputs(commandLine.print.c_str(), stdout);
+}
+
+Result<void> run(const PrintCommand& command) {
+  std::fputs(command.text.c_str(), stdout);
   return {};
 }
 
+int run(const std::vector<std::string>& arguments) {
+  const auto command = parseCommandLine(arguments);
+  if (!command) return complain(command.error(), kExitUsage);
+  const auto done = std::visit([](const auto& options) { return run(options); }, *command);
+  if (done) return kExitSuccess;
+  // A style that does not exist, a camera file that is none: usage, noticed late.
+  return complain(done.error(), exitStatusOf(done.error()));
+}
+
 }  // namespace
+}  // namespace limn
 
 int main(int argc, char** argv) {
-  const auto commandLine = limn::parseCommandLine(std::vector<std::string>(argv + 1, argv + argc));
-  if (!commandLine) return complain(commandLine.error(), kWrongUsage);
-  const auto done = run(*commandLine);
-  if (done) return 0;
-  // A style that does not exist, a camera file that is none: usage, noticed late.
-  const bool usage = done.error().code == limn::ErrorCode::kInvalidArgument;
-  return complain(done.error(), usage ? kWrongUsage : kFailed);
+  return limn::run(std::vector<std::string>(argv + 1, argv + argc));
 }

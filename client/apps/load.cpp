@@ -7,6 +7,8 @@
 #include "client/load/report.h"
 #include "client/load/script.h"
 
+#include "shared/core/exit_status.h"
+
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
@@ -17,10 +19,6 @@
 #include <string>
 
 namespace {
-
-constexpr int kPassed = 0;
-constexpr int kFailed = 1;
-constexpr int kUsage = 2;
 
 constexpr char kExamples[] = R"(Examples:
   limn-load --server ws://127.0.0.1:8600 --script tests/load/orbit.toml
@@ -56,15 +54,12 @@ std::optional<int> localPort(const std::string& url) {
 
 int run(const Arguments& arguments) {
   const auto script = limn::load::readScript(arguments.script);
-  if (!script) {
-    const bool usage = script.error().code == limn::ErrorCode::kInvalidArgument;
-    return complain(usage ? kUsage : kFailed, script.error().message);
-  }
+  if (!script) return complain(limn::exitStatusOf(script.error()), script.error().message);
   limn::load::RunOptions options;
   options.url = arguments.server;
   options.makeDecoder = limn::load::makeMeshDecoder;
   auto token = limn::readToken(arguments.tokenFile);
-  if (!token) return complain(kFailed, token.error().message);
+  if (!token) return complain(limn::kExitFailed, token.error().message);
   options.token = std::move(*token);
   options.caFile = arguments.caFile;
   if (arguments.serverPid > 0) {
@@ -84,10 +79,7 @@ int run(const Arguments& arguments) {
         static_cast<double>(counters.bytesReceived) / 1e6);
   };
   const auto result = limn::load::runScript(*script, options);
-  if (!result) {
-    const bool usage = result.error().code == limn::ErrorCode::kInvalidArgument;
-    return complain(usage ? kUsage : kFailed, result.error().message);
-  }
+  if (!result) return complain(limn::exitStatusOf(result.error()), result.error().message);
   auto missed = limn::load::missedThresholds(script->thresholds, result->counters, result->server);
   if (result->counters.connected == 0) {
     std::string message = "no client reached the base mesh";
@@ -101,12 +93,12 @@ int run(const Arguments& arguments) {
     std::ofstream stream(arguments.report);
     stream << report << "\n";
     if (!stream.flush()) {
-      return complain(kFailed, arguments.report + ": cannot be written; check the path");
+      return complain(limn::kExitFailed, arguments.report + ": cannot be written; check the path");
     }
   }
   for (const std::string& miss : missed)
-    complain(kFailed, miss);
-  return missed.empty() ? kPassed : kFailed;
+    complain(limn::kExitFailed, miss);
+  return missed.empty() ? limn::kExitSuccess : limn::kExitFailed;
 }
 
 }  // namespace
@@ -132,7 +124,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    return complain(kUsage, std::string(error.what()) + "; see limn-load --help");
+    return complain(limn::kExitUsage, std::string(error.what()) + "; see limn-load --help");
   }
   return run(arguments);
 }

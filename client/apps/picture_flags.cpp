@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/picture_flags.h"
 
-#include "client/apps/render_options.h"
+#include "client/apps/flag_values.h"
 
 #include <CLI/CLI.hpp>
 

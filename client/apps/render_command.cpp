@@ -5,6 +5,7 @@
 #include "client/apps/contour_lines.h"
 #include "client/apps/drawing_options.h"
 #include "client/apps/dumps.h"
+#include "client/apps/frame_path.h"
 #include "client/apps/interrupt.h"
 #include "client/apps/line_finder.h"
 #include "client/apps/output_file.h"
@@ -12,6 +13,7 @@
 #include "client/apps/render_views.h"
 #include "client/apps/report.h"
 #include "client/apps/scene_command.h"
+#include "client/apps/session_options.h"
 #include "client/apps/source.h"
 #include "client/apps/svg_file.h"
 #include "client/apps/watch_session.h"
@@ -313,37 +315,13 @@ Result<void> runRender(const RenderCommandOptions& options) {
   auto source = openSource(options.source);
   if (!source) return tl::unexpected(source.error());
 
-  StopCondition until;
-  until.state = source->isServer ? MeshState::kSettled : MeshState::kComplete;
-  if (options.until) until = *options.until;
-  // There is nobody to settle a view of files: they are read whole instead.
-  if (!source->isServer && until.kind == StopCondition::Kind::kState &&
-      until.state > MeshState::kBase) {
-    until.state = MeshState::kComplete;
-  }
-  // A moving camera asks for more and more, so its connection stays open.
+  ClientSession::Options sessionOptions = sessionOptionsOf(*source, options);
+  const StopCondition until = sessionOptions.session.stop;
   const bool exactContours = options.contours == SessionMachine::Options::Contours::kServer;
-  if (exactContours) until.state = MeshState::kBase;
+  // A moving camera asks for more and more, so its connection stays open.
   const bool follows = source->isServer && options.moves() && options.frames > 1 &&
                        until.kind == StopCondition::Kind::kState &&
                        (until.state > MeshState::kBase || exactContours);
-
-  ClientSession::Options sessionOptions;
-  sessionOptions.session.model = source->model;
-  sessionOptions.session.stop = until;
-  sessionOptions.session.memoryBytes = options.memoryMib << 20;
-  sessionOptions.session.needsSeeds =
-      options.detector == DetectorMethod::kPrecomputed && until.state > MeshState::kBase;
-  if (!options.dumpHull.empty() || options.draw == DrawMode::kClip)
-    sessionOptions.session.outerHullFaces = options.hullFaces;
-  if (options.draw == DrawMode::kClip)
-    sessionOptions.session.maps = SessionMachine::Options::Maps::kWanted;
-  sessionOptions.session.cache = source->cache;
-  sessionOptions.session.contours = options.contours;
-  if (!options.dumpInnerHull.empty()) sessionOptions.session.innerHullFaces = options.hullFaces;
-  if (exactContours && options.draw == DrawMode::kStrokes)
-    sessionOptions.session.innerHullFaces = std::max(options.hullFaces, kStageFaces);
-  sessionOptions.publishEveryMs = kNeverMs;
   if (follows) sessionOptions.session.stop.kind = StopCondition::Kind::kNever;
   ClientSession session(source->connect, sessionOptions);
   ProgressLine progress;

@@ -15,7 +15,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -102,37 +101,5 @@ struct RenderCommandOptions {
   bool check = false;
   std::filesystem::path reference;  // an asset directory to compare contours with
 };
-
-struct SweepCommandOptions;
-struct ViewCommandOptions;
-
-/// What the command line asks for: one of the four.
-struct CommandLine {
-  std::optional<RenderCommandOptions> render;
-  std::shared_ptr<const SweepCommandOptions> sweep;
-  std::shared_ptr<const ViewCommandOptions> view;
-  std::string print;  // help or version: goes to stdout, and that is all
-};
-
-/// Errors: kInvalidArgument and kUnsupported, in one line that says what to write instead.
-[[nodiscard]] Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments);
-
-/// Whether exactly one source is given, with what goes with it. Errors: kInvalidArgument.
-[[nodiscard]] Result<void> checkSource(const SourceOptions& source);
-
-/// Parses `base|settled|exact|complete|bytes:N|seconds:S`.
-[[nodiscard]] Result<StopCondition> parseUntil(const std::string& text);
-/// Parses `WIDTHxHEIGHT`, 1 to 8192 each.
-[[nodiscard]] Result<Viewport> parseSize(const std::string& text);
-/// Parses `X,Y,Z`.
-[[nodiscard]] Result<glm::dvec3> parseLight(const std::string& text);
-/// Parses `MODEL[@X,Y,Z]`.
-[[nodiscard]] Result<RenderCommandOptions::With> parseWith(const std::string& text);
-/// Parses any choice of `crease,border,seam,suggestive,ridge,valley,intersection`, or `none`.
-[[nodiscard]] Result<FeatureChoice> parseFeatures(const std::string& text);
-/// The path of frame `index`: `%04d` (or `%d`) replaced by it. Without one: `pattern` itself.
-[[nodiscard]] std::string framePath(const std::string& pattern, std::uint32_t index);
-/// Whether a path has a place for the frame's number.
-[[nodiscard]] bool hasFrameNumber(const std::string& pattern);
 
 }  // namespace limn

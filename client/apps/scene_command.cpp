@@ -2,12 +2,14 @@
 #include "client/apps/scene_command.h"
 
 #include "client/apps/drawing_options.h"
+#include "client/apps/frame_path.h"
 #include "client/apps/interrupt.h"
 #include "client/apps/line_finder.h"
 #include "client/apps/output_file.h"
 #include "client/apps/progress_line.h"
 #include "client/apps/render_views.h"
 #include "client/apps/report.h"
+#include "client/apps/session_options.h"
 #include "client/apps/source.h"
 #include "client/apps/watch_session.h"
 #include "client/core/client_session.h"
@@ -42,6 +44,7 @@ class Actor {
   Actor(const RenderCommandOptions& options, Source source)
       : options_(options),
         source_(std::move(source)),
+        until_(sessionOptionsOf(source_, options).session.stop),
         cones_(options.silhouette),
         session_(source_.connect, sessionOptions()) {}
 
@@ -85,26 +88,16 @@ class Actor {
   glm::dvec3 place{0.0};  // of its origin, in the scene
 
  private:
-  ClientSession::Options sessionOptions() {
-    const bool isExact = options_.contours == SessionMachine::Options::Contours::kServer;
-    if (options_.until) until_ = *options_.until;
-    if (isExact) until_.state = MeshState::kBase;
-    if (!source_.isServer) until_.state = MeshState::kComplete;
-    ClientSession::Options session;
-    session.session.model = source_.model;
+  /// Views follow one another, so the session itself does not end.
+  [[nodiscard]] ClientSession::Options sessionOptions() const {
+    ClientSession::Options session = sessionOptionsOf(source_, options_);
     session.session.stop.kind = StopCondition::Kind::kNever;
-    session.session.memoryBytes = options_.memoryMib << 20;
-    session.session.outerHullFaces = options_.hullFaces;
-    session.session.maps = SessionMachine::Options::Maps::kWanted;
-    session.session.cache = source_.cache;
-    session.session.contours = options_.contours;
-    session.publishEveryMs = kNeverMs;
     return session;
   }
 
   const RenderCommandOptions& options_;
   const Source source_;
-  StopCondition until_;
+  const StopCondition until_;
   ConeKeeper cones_;
   ClientSession session_;
   SessionOutcome outcome_;

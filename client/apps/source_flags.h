@@ -3,6 +3,8 @@
 
 #include "client/apps/render_options.h"
 
+#include "shared/core/result.h"
+
 namespace CLI {
 class App;
 }
@@ -15,5 +17,8 @@ inline constexpr char kSourceGroup[] = "Source (one of three)";  // in --help
 void addServerFlags(CLI::App& app, SourceOptions& source);
 /// Those, and the flags of an asset or a mesh file.
 void addSourceFlags(CLI::App& app, SourceOptions& source);
+
+/// Whether exactly one source is given, with what goes with it. Errors: kInvalidArgument.
+[[nodiscard]] Result<void> checkSource(const SourceOptions& source);
 
 }  // namespace limn

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/sweep_options.h"
 
+#include "client/apps/flag_values.h"
 #include "client/apps/source_flags.h"
 
 #include <CLI/CLI.hpp>
@@ -17,10 +18,6 @@ Examples:
   limn-client sweep --mesh torus-2304.off --mesh torus-8192.ply --detectors brute,cones,random
     --frames 400 --csv tori.csv --plot tori.svg
 )";
-
-tl::unexpected<Error> wrong(const std::string& message) {
-  return fail(ErrorCode::kInvalidArgument, message);
-}
 
 }  // namespace
 
@@ -81,11 +78,9 @@ Result<SweepCommandOptions> SweepFlags::parse() const {
   const auto parameters = detectorFlags_.parse();
   if (!parameters) return tl::unexpected(parameters.error());
   options.parameters = *parameters;
-  if (silhouette_ == "edges") {
-    options.silhouette = SilhouetteKind::kEdges;
-  } else if (silhouette_ != "smooth") {
-    return wrong("--silhouette " + silhouette_ + " is unknown: write smooth or edges");
-  }
+  const auto silhouette = parseSilhouette(silhouette_);
+  if (!silhouette) return tl::unexpected(silhouette.error());
+  options.silhouette = *silhouette;
   if (!light_.empty()) {
     const auto light = parseLight(light_);
     if (!light) return tl::unexpected(light.error());

@@ -18,6 +18,10 @@
 #include <string>
 #include <vector>
 
+namespace CLI {
+class App;
+}
+
 namespace limn {
 
 struct SweepCommandOptions {

@@ -6,9 +6,9 @@
 #include "client/apps/interrupt.h"
 #include "client/apps/output_file.h"
 #include "client/apps/picture_thread.h"
+#include "client/apps/view_files.h"
 #include "client/apps/viewed_model.h"
 #include "client/pose/camera_file.h"
-#include "client/pose/path_recorder.h"
 #include "client/render/assets.h"
 #include "client/view/detail.h"
 #include "client/view/menus.h"
@@ -28,7 +28,6 @@
 #include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 namespace limn {
 namespace {
@@ -44,31 +43,11 @@ ViewMemory recall(const std::filesystem::path& file) {
   return viewMemoryFromJson(text);
 }
 
-/// MODEL-001.png, or the first number that no file has yet.
-std::filesystem::path
-freeName(const std::filesystem::path& folder, const std::string& model, const char* extension) {
-  for (int number = 1;; ++number) {
-    char suffix[32];
-    std::snprintf(suffix, sizeof suffix, "-%03d%s", number, extension);
-    const std::filesystem::path path = folder / (model + suffix);
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) return path;
-  }
-}
-
-std::string quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char c : word)
-    text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 /// What the window did, for `--report`.
 struct Tally {
   std::uint32_t pictures = 0;
   double longestPictureMs = 0.0;
   double longestBlockMs = 0.0;  // without looking at the window's events
-  std::vector<std::string> saved;
   std::string state;
 };
 
@@ -77,6 +56,7 @@ class Viewer {
   Viewer(const ViewCommandOptions& options, std::filesystem::path assets)
       : options_(options),
         memory_(recall(options.memoryFile)),
+        files_(options.saveFolder),
         pictures_(options.gl, assets, &Window::wake),
         model_(options_, &Window::wake) {
     memory_.choices = chosenBy(options, memory_.choices);
@@ -154,7 +134,7 @@ class Viewer {
   }
 
   void openModel(const std::string& name) {
-    if (recorder_) record();  // a path is of one model
+    if (files_.isRecording()) record();  // a path is of one model
     model_.open(name);
     controls_.reset();
     ordered_.reset();
@@ -199,7 +179,7 @@ class Viewer {
       if (ImGui::IsMouseDoubleClicked(0)) flyTo(pointer, desk, now);
     }
     isAnimating_ = controls_->animate(now);
-    if (recorder_) recorder_->add(now, controls_->camera());
+    files_.record(now, controls_->camera());
   }
 
   void flyTo(const glm::dvec2& pointer, const Viewport& desk, double now) {
@@ -223,7 +203,7 @@ class Viewer {
       facts_.complaint = watch_->complaint();
     if (Window::nowSeconds() > messageUntil_) facts_.message.clear();
     facts_.gl = pictures_.gl();
-    facts_.isRecording = recorder_.has_value();
+    facts_.isRecording = files_.isRecording();
     if (!shown_) return;
     facts_.faces = shown_->order.snapshot->mesh.mesh().faceCount();
     facts_.detectMs = shown_->detectMs;
@@ -250,30 +230,18 @@ class Viewer {
 
   void save(const char* extension) {
     if (!ordered_) return say("there is nothing to save yet");
-    // The one in hand may not be written yet: numbers go on.
-    std::filesystem::path path;
-    do {
-      path = freeName(options_.saveFolder, model_.name(), extension);
-    } while (path == lastSaved_ && !pictures_.isIdle());
-    lastSaved_ = path;
-    tally_.saved.push_back(path.string());
-    pictures_.save(*ordered_, path);
+    pictures_.save(*ordered_, files_.name(model_.name(), extension));
   }
 
-  /// Begins, or ends and writes what was recorded: for `render --path` and load scripts.
+  /// Begins, or ends and writes what was recorded.
   void record() {
-    if (!recorder_) {
-      if (controls_) recorder_.emplace();
+    if (!files_.isRecording()) {
+      if (controls_) files_.beginRecording();
       return;
     }
-    const RecordedPath path = recorder_->path();
-    recorder_.reset();
-    if (path.empty()) return;
-    const std::filesystem::path file = freeName(options_.saveFolder, model_.name(), "-path.json");
-    if (auto written = writeOutputFile(file, recordedPathJson(path)); !written)
-      return say(written.error().message);
-    tally_.saved.push_back(file.string());
-    say("saved " + file.string());
+    const auto file = files_.endRecording(model_.name());
+    if (!file) return say(file.error().message);
+    if (*file) say("saved " + (*file)->string());
   }
 
   void copyCommand() {
@@ -281,19 +249,8 @@ class Viewer {
     const std::filesystem::path file = options_.saveFolder / (model_.name() + "-camera.json");
     if (auto written = writeOutputFile(file, cameraFileJson(controls_->camera()) + "\n"); !written)
       return say(written.error().message);
-    const SourceOptions& source = options_.source;
-    std::string command = "limn-client render";
-    const auto add = [&](const char* flag, const std::string& value) {
-      if (!value.empty()) command += std::string(" ") + flag + " " + quoted(value);
-    };
-    add("--server", source.serverUrl);
-    if (!source.serverUrl.empty()) add("--model", model_.name());
-    add("--asset", source.assetDirectory.string());
-    add("--mesh", source.meshFile.string());
-    for (const std::string& word : flagsOf(memory_.choices))
-      command += " " + word;
-    add("--camera-file", file.string());
-    command += " --out picture.png";
+    const std::string command =
+        renderCommand(options_.source, model_.name(), memory_.choices, file);
     ImGui::SetClipboardText(command.c_str());
     say("copied; the camera is in " + file.string());
   }
@@ -377,7 +334,7 @@ class Viewer {
         {"pictures", tally_.pictures},
         {"longest_picture_ms", tally_.longestPictureMs},
         {"longest_block_ms", tally_.longestBlockMs},
-        {"saved", tally_.saved}};
+        {"saved", files_.named()}};
     return writeOutputFile(options_.report, report.dump(2) + "\n");
   }
 
@@ -386,17 +343,16 @@ class Viewer {
   MenuFacts facts_;
   Menus menus_;
   Tally tally_;
+  ViewFiles files_;
   std::unique_ptr<Window> window_;  // outlives what wakes it
   PictureThread pictures_;
   ViewedModel model_;
   std::unique_ptr<CatalogueWatch> watch_;
   std::unique_ptr<OrbitControls> controls_;  // null until a model is known
   DetailGovernor governor_{kPictureBudgetMs};
-  std::optional<PathRecorder> recorder_;  // while the camera is recorded
   std::shared_ptr<const RenderCommandOptions> look_;
   std::optional<PictureOrder> ordered_;
   std::optional<Picture> shown_;
-  std::filesystem::path lastSaved_;
   double movedAt_ = 0.0;
   double messageUntil_ = 0.0;
   bool isAnimating_ = false;

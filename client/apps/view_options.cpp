@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/view_options.h"
 
+#include "client/apps/flag_values.h"
+#include "client/apps/render_flags.h"
 #include "client/apps/source_flags.h"
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <utility>
 #include <vector>
@@ -99,16 +102,23 @@ ViewChoices chosenBy(const ViewCommandOptions& options, ViewChoices choices) {
 Result<RenderCommandOptions> understand(
     const ViewChoices& choices,
     const ViewCommandOptions& options) {
+  CLI::App app;
+  RenderFlags flags;
+  flags.addTo(app);
+  std::vector<std::string> words = flagsOf(choices);
   // Any source and output: only the drawing flags are used.
-  std::vector<std::string> arguments = {"render", "--asset", ".", "--out", "view.png"};
-  const std::vector<std::string> flags = flagsOf(choices);
-  arguments.insert(arguments.end(), flags.begin(), flags.end());
-  auto line = parseCommandLine(arguments);
-  if (!line) return tl::unexpected(line.error());
-  RenderCommandOptions look = std::move(*line->render);
-  look.gl = options.gl;
-  look.assets = options.assets;
-  return look;
+  words.insert(words.end(), {"--asset", ".", "--out", "view.png"});
+  std::ranges::reverse(words);
+  try {
+    app.parse(words);
+  } catch (const CLI::ParseError& error) {
+    return wrong(error.what());
+  }
+  auto look = flags.parse();
+  if (!look) return tl::unexpected(look.error());
+  look->gl = options.gl;
+  look->assets = options.assets;
+  return *std::move(look);
 }
 
 }  // namespace limn

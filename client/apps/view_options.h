@@ -55,7 +55,7 @@ class ViewFlags {
 /// The remembered choices with those of the flags over them.
 [[nodiscard]] ViewChoices chosenBy(const ViewCommandOptions& options, ViewChoices remembered);
 
-/// A choice as drawing flags, checked like those of `render`. Errors: as parseCommandLine().
+/// A choice as drawing flags, checked like those of `render`. Errors: as RenderFlags::parse().
 [[nodiscard]] Result<RenderCommandOptions> understand(
     const ViewChoices& choices,
     const ViewCommandOptions& options);

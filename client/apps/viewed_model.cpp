@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/viewed_model.h"
 
+#include "client/apps/session_options.h"
+
 #include <utility>
 
 namespace limn {
@@ -62,11 +64,8 @@ void ViewedModel::poll() {
       retryAt_ = Clock::time_point::max();  // a file does not mend itself
       return;
     }
-    ClientSession::Options session;
-    session.session.model = source->model;
+    ClientSession::Options session = sessionOptionsOf(*source, options_.memoryMib);
     session.session.stop.kind = StopCondition::Kind::kNever;
-    session.session.memoryBytes = options_.memoryMib << 20;
-    session.session.cache = source->cache;
     session.session.giveUpAfterMs = kNeverGiveUpMs;
     session.publishEveryMs = kPublishEveryMs;
     session_ = std::make_unique<ClientSession>(source->connect, session);

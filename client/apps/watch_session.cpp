@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/watch_session.h"
 
+#include "client/apps/session_options.h"
+
 namespace limn {
 
 Result<SessionOutcome> loadWhole(const Source& source) {
-  ClientSession::Options options;
-  options.session.model = source.model;
+  ClientSession::Options options = sessionOptionsOf(source);
   options.session.stop.state = MeshState::kComplete;
-  options.publishEveryMs = kNeverMs;
   ClientSession session(source.connect, options);
   ProgressLine progress;
   return watchSession(session, progress, [&](std::uint64_t ms) {

@@ -12,9 +12,6 @@
 
 namespace limn {
 
-/// Only finished states are wanted: none on the way is worth a copy.
-inline constexpr std::uint64_t kNeverMs = std::uint64_t{1} << 48;
-
 /// Waits in slices, so that an interrupt is noticed and progress is shown.
 template <class Wait>
 auto watchSession(ClientSession& session, ProgressLine& progress, Wait wait) -> decltype(wait(0)) {

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/apps/inspect.h"
 
+#include "server/apps/arguments.h"
 #include "server/inspect/byte_account.h"
 #include "server/inspect/inspect_report.h"
 #include "server/inspect/rate_distortion.h"
 #include "server/session/model.h"
 #include "server/store/asset_store.h"
 #include "server/store/manifest.h"
+
+#include "shared/core/exit_status.h"
 
 #include <CLI/CLI.hpp>
 
@@ -19,6 +22,8 @@ namespace limn {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr char kProgram[] = "limn-server inspect";
 
 constexpr char kExamples[] =
     "Examples:\n"
@@ -103,9 +108,7 @@ Result<void> inspect(const Arguments& arguments) {
 
 int inspectCommand(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app(
-      "Prints where the bytes of a prepared asset go, and what they buy.",
-      "limn-server inspect");
+  CLI::App app("Prints where the bytes of a prepared asset go, and what they buy.", kProgram);
   app.footer(kExamples);
   app.add_option("ASSET", arguments.asset, "Directory of an asset; with --store, a name or an id")
       ->required();
@@ -116,18 +119,9 @@ int inspectCommand(int argc, char** argv) {
   app.add_option("--views", arguments.options.views, "Views that errors are measured in")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    std::cerr << "limn-server: " << error.what() << " (see limn-server inspect --help)\n";
-    return 2;
-  }
-  if (const auto done = inspect(arguments); !done) {
-    std::cerr << "limn-server: " << done.error().message << '\n';
-    return 1;
-  }
-  return 0;
+  if (const auto status = parseArguments(app, argc, argv)) return *status;
+  const auto done = inspect(arguments);
+  return done ? kExitSuccess : complain(kProgram, kExitFailed, done.error().message);
 }
 
 }  // namespace limn

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/apps/arguments.h"
 #include "server/apps/confine.h"
 #include "server/preprocess/pipeline.h"
 
 #include "protocol/messages.h"
 
+#include "shared/core/exit_status.h"
 #include "shared/mesh/ply_writer.h"
 
 #include <CLI/CLI.hpp>
@@ -18,8 +20,7 @@
 namespace limn {
 namespace {
 
-constexpr int kExitFailed = 1;
-constexpr int kExitUsage = 2;
+constexpr char kProgram[] = "limn-prepare";
 
 constexpr char kExamples[] =
     "Examples:\n"
@@ -38,11 +39,6 @@ struct Arguments {
   bool json = false;
   PrepareOptions options;
 };
-
-int usageError(const std::string& message) {
-  std::cerr << "limn-prepare: " << message << '\n';
-  return kExitUsage;
-}
 
 // Names of the inputs; an error says which two would collide.
 Result<std::vector<std::string>> chooseNames(const Arguments& arguments) {
@@ -135,7 +131,7 @@ int run(int argc, char** argv) {
   Arguments arguments;
   CLI::App app(
       "Prepares meshes for streaming: repairs them and builds their progressive assets.",
-      "limn-prepare");
+      kProgram);
   app.set_version_flag("--version", std::string("limn-prepare ") + LIMN_VERSION);
   app.footer(kExamples);
   app.add_option("INPUT", arguments.inputs, "Mesh files: PLY, OBJ, STL, OFF, GLB, glTF")
@@ -201,39 +197,30 @@ int run(int argc, char** argv) {
       arguments.confined,
       "Give up the network and other programs before reading: for files of strangers");
   app.add_flag("--json", arguments.json, "Print one JSON report a model");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    return usageError(std::string(error.what()) + " (see limn-prepare --help)");
-  }
+  if (const auto status = parseArguments(app, argc, argv)) return *status;
   if (!parseViewpoints(arguments.viewpoints, arguments.options)) {
-    return usageError("--viewpoints takes AZIMUTHSxELEVATIONS, 1 to 64 each, such as 8x5");
+    return complain(
+        kProgram,
+        kExitUsage,
+        "--viewpoints takes AZIMUTHSxELEVATIONS, 1 to 64 each, such as 8x5");
   }
   if (!arguments.dumpMesh.empty() && arguments.inputs.size() != 1) {
-    return usageError("--dump-mesh needs a single input");
+    return complain(kProgram, kExitUsage, "--dump-mesh needs a single input");
   }
   if (arguments.confined) {
     if (const auto confined = confineProcess(); !confined) {
-      std::cerr << "limn-prepare: " << confined.error().message << '\n';
-      return kExitFailed;
+      return complain(kProgram, kExitFailed, confined.error().message);
     }
   }
   const auto names = chooseNames(arguments);
-  if (!names) return usageError(names.error().message);
+  if (!names) return complain(kProgram, kExitUsage, names.error().message);
 
   const auto store = openDirectoryStore(arguments.store);
-  if (!store) {
-    std::cerr << "limn-prepare: " << store.error().message << '\n';
-    return kExitFailed;
-  }
-  int status = 0;
+  if (!store) return complain(kProgram, kExitFailed, store.error().message);
+  int status = kExitSuccess;
   for (std::size_t i = 0; i < names->size(); ++i) {
     const auto done = prepareOne(arguments.inputs[i], (*names)[i], arguments, **store);
-    if (!done) {
-      std::cerr << "limn-prepare: " << done.error().message << '\n';
-      status = kExitFailed;
-    }
+    if (!done) status = complain(kProgram, kExitFailed, done.error().message);
   }
   return status;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/apps/arguments.h"
 #include "server/apps/background_preparation.h"
 #include "server/apps/inspect.h"
 #include "server/apps/log.h"
@@ -13,6 +14,7 @@
 #include "server/transport/worker_pool.h"
 
 #include "shared/codec/allocation_budget.h"
+#include "shared/core/exit_status.h"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -28,8 +30,7 @@
 namespace limn {
 namespace {
 
-constexpr int kExitFailed = 1;
-constexpr int kExitUsage = 2;
+constexpr char kProgram[] = "limn-server";
 
 constexpr char kExamples[] =
     "Examples:\n"
@@ -69,16 +70,6 @@ struct Arguments {
       AllocationBudget::works() ? PrepareLimits{}.memoryBytes >> 20 : 0;
   std::uint64_t prepareCpuS = PrepareLimits{}.cpuSeconds;
 };
-
-int usageError(const std::string& message) {
-  std::cerr << "limn-server: " << message << '\n';
-  return kExitUsage;
-}
-
-int failed(const std::string& message) {
-  std::cerr << "limn-server: " << message << '\n';
-  return kExitFailed;
-}
 
 /// limn-prepare, where it is installed: beside this program.
 std::filesystem::path preparePath() {
@@ -157,11 +148,14 @@ Result<TransportOptions> transportOptions(const Arguments& arguments) {
 
 int serve(const Arguments& arguments, const TransportOptions& options) {
   const auto store = openDirectoryStore(arguments.store);
-  if (!store) return failed(store.error().message);
+  if (!store) return complain(kProgram, kExitFailed, store.error().message);
   const bool watches = !arguments.models.empty();
   std::error_code error;
   if (watches && !std::filesystem::exists(preparePath(), error)) {
-    return failed(preparePath().string() + " is missing; --models needs it beside limn-server");
+    return complain(
+        kProgram,
+        kExitFailed,
+        preparePath().string() + " is missing; --models needs it beside limn-server");
   }
 
   const auto log = [](const PreparationNote& note) {
@@ -249,11 +243,11 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
 
   const End end{workers, transport};
   auto opened = LwsTransport::open(options, shared, handlers);
-  if (!opened) return failed(opened.error().message);
+  if (!opened) return complain(kProgram, kExitFailed, opened.error().message);
   transport = std::move(*opened);
   wakened = transport.get();
   if (const auto begun = preparation.begin(LwsTransport::nowMs()); !begun) {
-    return failed(begun.error().message);
+    return complain(kProgram, kExitFailed, begun.error().message);
   }
 
   const std::string scheme = options.tlsCertificate.empty() ? "ws" : "wss";
@@ -277,12 +271,12 @@ int serve(const Arguments& arguments, const TransportOptions& options) {
   transport->run();
   preparation.stop();
   logEvent(spdlog::level::info, "drained", "drained");
-  return 0;
+  return kExitSuccess;
 }
 
 int run(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("Serves prepared meshes as silhouette-first streams.", "limn-server");
+  CLI::App app("Serves prepared meshes as silhouette-first streams.", kProgram);
   app.set_version_flag("--version", std::string("limn-server ") + LIMN_VERSION);
   app.footer(kExamples);
   app.add_option("--store", arguments.store, "Directory of prepared assets; made when missing")
@@ -373,20 +367,21 @@ int run(int argc, char** argv) {
          "Processor time of a preparation of --models; 0: no limit")
       ->capture_default_str();
   app.set_config("--config", "", "Read options from a TOML file");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    return usageError(std::string(error.what()) + " (see limn-server --help)");
-  }
+  if (const auto status = parseArguments(app, argc, argv)) return *status;
   if (arguments.store.find("://") != std::string::npos) {
-    return usageError("--store takes a directory; object stores are not part of this release");
+    return complain(
+        kProgram,
+        kExitUsage,
+        "--store takes a directory; object stores are not part of this release");
   }
   if (!arguments.models.empty() && !std::filesystem::is_directory(arguments.models)) {
-    return usageError("--models " + arguments.models + " is no directory; give a folder of meshes");
+    return complain(
+        kProgram,
+        kExitUsage,
+        "--models " + arguments.models + " is no directory; give a folder of meshes");
   }
   const auto options = transportOptions(arguments);
-  if (!options) return usageError(options.error().message);
+  if (!options) return complain(kProgram, kExitUsage, options.error().message);
   // A client that is gone must not end the server.
   std::signal(SIGPIPE, SIG_IGN);
   startLog(arguments.logFormat == "json" ? LogFormat::kJson : LogFormat::kText);

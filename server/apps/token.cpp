@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/apps/token.h"
 
+#include "server/apps/arguments.h"
 #include "server/transport/tokens.h"
+
+#include "shared/core/exit_status.h"
 
 #include <CLI/CLI.hpp>
 
@@ -16,8 +19,7 @@
 namespace limn {
 namespace {
 
-constexpr int kExitFailed = 1;
-constexpr int kExitUsage = 2;
+constexpr char kProgram[] = "limn-server token";
 
 constexpr char kExamples[] =
     "Examples:\n"
@@ -34,22 +36,21 @@ struct Arguments {
   std::int64_t minutes = 10;
 };
 
-int complain(int status, const std::string& message) {
-  std::cerr << "limn-server token: " << message << '\n';
-  return status;
-}
-
 int mint(const Arguments& arguments) {
   std::ifstream in(arguments.keyFile, std::ios::binary);
-  if (!in) return complain(kExitFailed, "cannot read " + arguments.keyFile);
+  if (!in) return complain(kProgram, kExitFailed, "cannot read " + arguments.keyFile);
   const auto keys = parseTokenKeys(std::string{std::istreambuf_iterator<char>(in), {}});
-  if (!keys) return complain(kExitFailed, arguments.keyFile + ": " + keys.error().message);
+  if (!keys)
+    return complain(kProgram, kExitFailed, arguments.keyFile + ": " + keys.error().message);
   // The last one is the newest, where keys are added at the end.
   auto key = std::prev(keys->end());
   if (!arguments.key.empty()) {
     key = std::ranges::find(*keys, arguments.key, &TokenKey::id);
     if (key == keys->end()) {
-      return complain(kExitFailed, arguments.keyFile + " has no key '" + arguments.key + "'");
+      return complain(
+          kProgram,
+          kExitFailed,
+          arguments.keyFile + " has no key '" + arguments.key + "'");
     }
   }
   TokenClaims claims;
@@ -58,21 +59,20 @@ int mint(const Arguments& arguments) {
   const std::string token = signToken(claims, *key);
   if (token.size() > kMaxTokenBytes) {
     return complain(
+        kProgram,
         kExitFailed,
         "that is " + std::to_string(token.size()) + " bytes, a server takes " +
             std::to_string(kMaxTokenBytes) + ": name fewer models, or NAME* for many");
   }
   std::cout << token << '\n';
-  return 0;
+  return kExitSuccess;
 }
 
 }  // namespace
 
 int tokenCommand(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app(
-      "Prints a token for clients, or a new key to sign tokens with.",
-      "limn-server token");
+  CLI::App app("Prints a token for clients, or a new key to sign tokens with.", kProgram);
   app.footer(kExamples);
   app.add_option("--new-key", arguments.newKey, "Print a new key of this name instead, for a file");
   app.add_option("--key-file", arguments.keyFile, "The server's --token-key-file");
@@ -86,20 +86,15 @@ int tokenCommand(int argc, char** argv) {
   app.add_option("--minutes", arguments.minutes, "How long clients may connect with it")
       ->check(CLI::Range(1, 60 * 24 * 366))
       ->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    return complain(kExitUsage, std::string(error.what()) + " (see limn-server token --help)");
-  }
+  if (const auto status = parseArguments(app, argc, argv)) return *status;
   if (!arguments.newKey.empty()) {
     const auto line = makeTokenKey(arguments.newKey);
-    if (!line) return complain(kExitUsage, line.error().message);
+    if (!line) return complain(kProgram, kExitUsage, line.error().message);
     std::cout << *line << '\n';
-    return 0;
+    return kExitSuccess;
   }
   if (arguments.keyFile.empty() || arguments.models.empty()) {
-    return complain(kExitUsage, "give --key-file and --models, or --new-key NAME");
+    return complain(kProgram, kExitUsage, "give --key-file and --models, or --new-key NAME");
   }
   return mint(arguments);
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "client/apps/command_line.h"
 #include "client/apps/sweep_options.h"
 #include "client/apps/sweep_report.h"
 
@@ -7,12 +8,13 @@
 #include <algorithm>
 #include <sstream>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace limn {
 namespace {
 
-Result<CommandLine> parse(const std::string& line) {
+Result<Command> parse(const std::string& line) {
   std::istringstream words(line);
   std::vector<std::string> arguments;
   for (std::string word; words >> word;)
@@ -20,17 +22,20 @@ Result<CommandLine> parse(const std::string& line) {
   return parseCommandLine(arguments);
 }
 
+SweepCommandOptions sweep(const Result<Command>& line) {
+  return std::get<SweepCommandOptions>(*line);
+}
+
 TEST(SweepOptions, AThesisSweepIsTheDefault) {
   const auto line = parse("sweep --asset a --csv f.csv --plot f.svg");
   ASSERT_TRUE(line) << line.error().message;
-  ASSERT_NE(line->sweep, nullptr);
-  EXPECT_FALSE(line->render);
-  EXPECT_EQ(line->sweep->frames, 400U);
-  EXPECT_EQ(line->sweep->detectors.size(), allDetectors().size());
-  EXPECT_EQ(line->sweep->parameters.random.fraction, 0.1);
-  EXPECT_EQ(line->sweep->parameters.coherence.reseedEvery, 30);
-  EXPECT_EQ(line->sweep->csv, "f.csv");
-  EXPECT_EQ(line->sweep->plot, "f.svg");
+  ASSERT_TRUE(std::holds_alternative<SweepCommandOptions>(*line));
+  EXPECT_EQ(sweep(line).frames, 400U);
+  EXPECT_EQ(sweep(line).detectors.size(), allDetectors().size());
+  EXPECT_EQ(sweep(line).parameters.random.fraction, 0.1);
+  EXPECT_EQ(sweep(line).parameters.coherence.reseedEvery, 30);
+  EXPECT_EQ(sweep(line).csv, "f.csv");
+  EXPECT_EQ(sweep(line).plot, "f.svg");
 }
 
 TEST(SweepOptions, SeveralMeshesAndChosenDetectors) {
@@ -38,13 +43,13 @@ TEST(SweepOptions, SeveralMeshesAndChosenDetectors) {
       "sweep --mesh a.ply --mesh b.ply --detectors cones,brute,cones --silhouette edges "
       "--frames 10 --camera orbit:10,20,4 --reseed-every 5");
   ASSERT_TRUE(line) << line.error().message;
-  EXPECT_EQ(line->sweep->sources.size(), 2U);
+  EXPECT_EQ(sweep(line).sources.size(), 2U);
   EXPECT_EQ(
-      line->sweep->detectors,
+      sweep(line).detectors,
       (std::vector<DetectorMethod>{DetectorMethod::kCones, DetectorMethod::kBrute}));
-  EXPECT_EQ(line->sweep->silhouette, SilhouetteKind::kEdges);
-  EXPECT_EQ(line->sweep->orbit.distanceRadii, 4.0);
-  EXPECT_EQ(line->sweep->parameters.coherence.reseedEvery, 5);
+  EXPECT_EQ(sweep(line).silhouette, SilhouetteKind::kEdges);
+  EXPECT_EQ(sweep(line).orbit.distanceRadii, 4.0);
+  EXPECT_EQ(sweep(line).parameters.coherence.reseedEvery, 5);
 }
 
 TEST(SweepOptions, WrongUsageIsSaidInOneLine) {
