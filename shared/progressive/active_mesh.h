@@ -19,8 +19,8 @@ namespace limn {
 /// A client's mesh: the base mesh and the splits applied so far, in any legal order, and not undone
 /// since. Vertices sit in slots, the base's first and in order; permanent ids name them to the
 /// outside. Positions are those of what is held: a split may move its parent. Always an oriented
-/// manifold. Copyable: a copy is a snapshot. Memory follows what is
-/// held, not what levelBegin announces.
+/// manifold. Copyable: a copy is a snapshot. Memory follows what is held, not what levelBegin
+/// announces.
 class ActiveMesh {
  public:
   ActiveMesh() = default;
@@ -48,8 +48,8 @@ class ActiveMesh {
   /// applying it again brings the mesh back. Legal when no split that is held has `vertex` as a
   /// prerequisite; descending order of ids always is. What can be seen of that here is checked:
   /// errors kCorrupt (not a split that is held, a finer vertex is next to it or has moved it or its
-  /// parent), kNonManifold (its
-  /// collapse would break the mesh); the mesh is then unchanged. Cost: O(valence²).
+  /// parent), kNonManifold (its collapse would break the mesh); the mesh is then unchanged. Cost:
+  /// O(valence²).
   [[nodiscard]] Result<VertexSplit> undo(VertexId vertex);
 
   /// The ring of `parent` as it is in the mesh of all vertices coarser than `level` (ids,
@@ -121,6 +121,7 @@ class ActiveMesh {
     HalfEdgeId afterRight = kNone;  // u → r of the face (or border edge) after the fan
   };
 
+  static tl::unexpected<Error> corrupt(VertexId vertex, const char* what);
   /// Also fills fan_.
   [[nodiscard]] Result<Opening> findOpening(const VertexSplit& split);
   /// Moves the parent, in slot u, of a split that was just applied, and keeps its history.
@@ -144,7 +145,13 @@ class ActiveMesh {
   };
 
   [[nodiscard]] Result<Star> findStar(VertexId vertex) const;
-  void link(HalfEdgeId a, HalfEdgeId b);
+
+  /// Makes twins of two half-edges of one edge; kNone: there is no face on that side.
+  void link(HalfEdgeId a, HalfEdgeId b) {
+    if (a != kNone) mesh_.twins[a] = b;
+    if (b != kNone) mesh_.twins[b] = a;
+  }
+
   /// Finds outgoing[slot] anew, starting at any half-edge out of it.
   void resetOutgoing(Slot slot, HalfEdgeId any);
   void removeFace(FaceId face);
