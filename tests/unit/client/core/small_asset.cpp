@@ -5,6 +5,8 @@
 
 #include "protocol/framing.h"
 
+#include "shared/codec/split_training.h"
+
 #include <algorithm>
 #include <array>
 #include <set>
