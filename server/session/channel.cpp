@@ -13,8 +13,10 @@ namespace {
 
 /// How closely the way ahead is looked at: a cell is passed in about 0.4 s at 15 degrees a second.
 constexpr std::int64_t kAheadStepMs = 150;
-/// How often, while nothing was missing there.
+/// How often it is looked at whether the camera goes on along a way of which nothing is missing.
 constexpr std::int64_t kAheadLookMs = 250;
+/// What is nearer is sent although its piece is not whole.
+constexpr std::int64_t kAheadSoonMs = 600;
 constexpr double kPoseBurst = 16.0;  // poses that a network brings at once
 /// What is only prefetched leaves this much of a client's room free, in quarters.
 constexpr std::uint32_t kAheadQuarters = 3;
@@ -103,6 +105,7 @@ void Channel::takeHeldPoseNow(ViewCells& cells, std::int64_t nowMs) {
 }
 
 void Channel::take(const protocol::Pose& pose, ViewCells& cells, std::int64_t nowMs) {
+  noteStay(cells, nowMs);
   const bool sameEye = pose_ && sameView(*pose_, pose);
   const bool same = sameEye && pose_->goal == pose.goal;
   if (!same) jumped_ = !pose_ || sameEye || resting(nowMs);
@@ -114,8 +117,13 @@ void Channel::take(const protocol::Pose& pose, ViewCells& cells, std::int64_t no
   if (same) return;
   poseAtMs_ = nowMs;
   motion_.add(pose, nowMs);
+  if (aheadStep_ >= 0) {
+    wayIsHeld_ = ahead_.empty() && aheadStep_ >= options_.aheadMs / kAheadStepMs;
+  }
   aheadStep_ = -1;
+  ahead_.clear();  // what is left is found again if it lies on the new way
   poseCell_ = kNoCell;
+  countsAsJump_ = false;
   poseHasOwnSet_ = false;
   satisfied_ = false;
   prefetching_ = false;
@@ -129,8 +137,9 @@ void Channel::take(const protocol::Pose& pose, ViewCells& cells, std::int64_t no
     // Far from where the last set was for: nothing is better than what it would bring.
     adopt(Plan::kNothing, nullptr);
     pending_ = nullptr;
-    if (model_ && pose.goal != protocol::Goal::kComplete)
-      jumped_ = cells.mayJump(*model_, pose, nowMs);
+    // Who is short of memory has no room for a cell's set.
+    if (model_ && pose.goal != protocol::Goal::kComplete && pose.maxSplits == 0)
+      jumped_ = countsAsJump_ = cells.mayJump(*model_, pose, nowMs);
   }
   static_cast<void>(steer(cells, nowMs));
 }
@@ -158,9 +167,8 @@ Result<void> Channel::drop(protocol::Bytes ids) {
   completeSent_ = false;
   full_ = false;
   fullSent_ = false;
-  aheadCursor_ = {};
   aheadStep_ = -1;
-  wayEnd_ = kNoCell;
+  heldTo_ = {};
   allHeld_.fill(kNoCell);
   // It is short of memory: what it does not need it would only drop again.
   options_.prefetchAfterMs = -1;
@@ -308,7 +316,7 @@ bool Channel::steer(ViewCells& cells, std::int64_t nowMs) {
 bool Channel::lookAhead(ViewCells& cells, std::int64_t nowMs) {
   aheadAsked_ = false;
   if (!model_ || !pose_ || plan_ != Plan::kCell || !exhausted_ || jumped_ || resting(nowMs) ||
-      !aheadExhausted_ || full_ || roomFor(kAheadQuarters) == 0) {
+      !ahead_.empty() || full_ || roomFor(kAheadQuarters) == 0) {
     return false;
   }
   const auto cellIn = [this](std::int64_t aheadMs) {
@@ -316,36 +324,45 @@ bool Channel::lookAhead(ViewCells& cells, std::int64_t nowMs) {
     return pose ? viewCellOf(*pose, model_->info()) : kNoCell;
   };
   if (aheadStep_ < 0) {
-    const std::int64_t sinceMs = poseAtMs_ - wayAtMs_;
-    const bool isKnown = wayEnd_ != kNoCell && sinceMs < options_.aheadMs;
-    if (isKnown && sinceMs < kAheadLookMs) return false;
+    const std::int64_t heldMs = heldTo_.atMs - poseAtMs_;
+    const bool isKnown = heldTo_.cell != kNoCell && heldMs > 0;
+    if (isKnown && wayIsHeld_ && poseAtMs_ - wayLookedAtMs_ < kAheadLookMs) return false;
+    wayLookedAtMs_ = poseAtMs_;
     // Who goes on as before passes where the last way ended: what comes after that is new.
-    const bool goesOn = isKnown && cellIn(options_.aheadMs - sinceMs) == wayEnd_;
-    aheadStep_ = goesOn ? (options_.aheadMs - sinceMs) / kAheadStepMs : 0;
+    aheadStep_ = isKnown && cellIn(heldMs) == heldTo_.cell ? heldMs / kAheadStepMs : 0;
   }
   const std::int64_t steps = options_.aheadMs / kAheadStepMs;
+  const std::int64_t heldSteps = aheadStep_;
   while (aheadStep_ < steps) {
     const ViewCell cell = cellIn((aheadStep_ + 1) * kAheadStepMs);
-    if (cell == kNoCell) return false;
-    if (cell != targetCell_ && !isAllHeld(cell)) {
+    if (cell == kNoCell) break;
+    const bool isNew = ahead_.empty() || ahead_.back().cell != cell;
+    if (isNew && cell != targetCell_ && !isAllHeld(cell)) {
       const ViewCells::Ticket ticket = cells.cell(model_, cell);
       aheadAsked_ = !ticket || !ticket->set;
-      if (aheadAsked_) return false;  // the next update looks again
-      ahead_ = ticket->set;
-      aheadCell_ = cell;
-      aheadCursor_ = {};
-      aheadExhausted_ = false;
+      if (aheadAsked_) break;  // the next update looks again
+      ahead_.push_back({cell, ticket->set, {}});
     }
-    if (++aheadStep_ == steps) {
-      wayEnd_ = cell;
-      wayAtMs_ = poseAtMs_;
-    }
-    if (!aheadExhausted_) return true;
+    ++aheadStep_;
+    const WayPoint here{cell, poseAtMs_ + aheadStep_ * kAheadStepMs};
+    (ahead_.empty() ? heldTo_ : ahead_.back().heldTo) = here;
   }
-  return false;
+  // In pieces that end at the same cells for everyone; what is near does not wait for its end.
+  const std::size_t least = heldSteps * kAheadStepMs > kAheadSoonMs ? 0 : 1;
+  while (!aheadAsked_ && ahead_.size() > least && !endsPiece(ahead_.back().cell))
+    ahead_.pop_back();
+  return !ahead_.empty();
+}
+
+/// A jump that was no part of a motion is none that others have to wait for.
+void Channel::noteStay(ViewCells& cells, std::int64_t nowMs) {
+  if (!countsAsJump_ || !resting(nowMs)) return;
+  cells.giveJumpBack();
+  countsAsJump_ = false;
 }
 
 bool Channel::update(ViewCells& cells, std::int64_t nowMs) {
+  noteStay(cells, nowMs);
   bool changed = steer(cells, nowMs);
   changed = updateContour(cells) || changed;
   return lookAhead(cells, nowMs) || changed;
@@ -404,7 +421,7 @@ Urgency Channel::urgency() const {
         std::min(static_cast<std::size_t>(Urgency::kNeededAt8) + cursor_.targetClass, finest));
   }
   if (seedsSent_ < model_->seeds().size()) return Urgency::kSeeds;
-  if (!aheadExhausted_ && !full_) return Urgency::kAhead;
+  if (!ahead_.empty() && !full_) return Urgency::kAhead;
   return isOpen ? Urgency::kEverything : Urgency::kNothing;
 }
 
@@ -606,10 +623,22 @@ std::optional<OutMessage> Channel::nextAhead(const Window& window) {
   if (!window.allows(window.limitBytes() / 2 + options_.packetBytes)) return std::nullopt;
   const std::size_t room = roomFor(kAheadQuarters);
   const std::size_t most = std::min(splitsAPacket(), room);
-  const std::vector<VertexId> ids = nextSplits(*ahead_, have_, most, aheadCursor_);
-  if (ids.size() < most) noteAllHeld(aheadCell_);
-  aheadExhausted_ = ids.size() < most || ids.empty();
+  std::vector<VertexId> ids;
+  while (!ahead_.empty() && ids.size() < most) {
+    ScheduleCursor cursor;
+    const auto more = nextSplits(*ahead_.front().set, have_, most - ids.size(), cursor);
+    ids.insert(ids.end(), more.begin(), more.end());
+    if (ids.size() == most) break;  // there may be more
+    noteAllHeld(ahead_.front().cell);
+    heldTo_ = ahead_.front().heldTo;
+    ahead_.erase(ahead_.begin());
+    // What the next cell needs besides.
+    for (const VertexId v : more)
+      have_.add(v);
+  }
+  if (most == 0) ahead_.clear();
   if (ids.empty()) return std::nullopt;
+  std::ranges::sort(ids);
   return packetOf(ids);
 }
 

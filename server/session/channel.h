@@ -21,6 +21,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace limn {
 
@@ -170,6 +171,7 @@ class Channel {
   [[nodiscard]] bool planIsFinal() const;
   void adopt(Plan plan, std::shared_ptr<const TargetSet> target, ViewCell cell = kNoCell);
   bool adoptPending();
+  void noteStay(ViewCells& cells, std::int64_t nowMs);
   bool steer(ViewCells& cells, std::int64_t nowMs);
   [[nodiscard]] bool isInView() const;
   void noteAllHeld(ViewCell cell);
@@ -234,6 +236,7 @@ class Channel {
   std::int64_t poseAtMs_ = 0;
   ViewCell poseCell_ = kNoCell;  // once it was looked for
   bool jumped_ = false;          // the pose came after a rest: its own set at once, no cell
+  bool countsAsJump_ = false;    // of those that so many may
   bool poseHasOwnSet_ = false;   // pending_ or target_ is the current pose's own
   Plan plan_ = Plan::kNothing;
   std::shared_ptr<const TargetSet> target_;
@@ -257,14 +260,24 @@ class Channel {
 
   // Where the camera is going.
   Motion motion_;
-  std::shared_ptr<const TargetSet> ahead_;  // of a cell on the way
-  ViewCell aheadCell_ = kNoCell;
-  ScheduleCursor aheadCursor_;
-  bool aheadExhausted_ = true;
-  bool aheadAsked_ = false;      // the next cell on the way is not there yet
-  std::int64_t aheadStep_ = -1;  // how far along the pose's way that is; -1: not looked at
-  ViewCell wayEnd_ = kNoCell;    // of the last way that was followed to its end
-  std::int64_t wayAtMs_ = 0;     // from where the camera was then
+
+  struct WayPoint {
+    ViewCell cell = kNoCell;
+    std::int64_t atMs = 0;  // when the camera will be there
+  };
+
+  struct Ahead {
+    ViewCell cell = kNoCell;
+    std::shared_ptr<const TargetSet> set;
+    WayPoint heldTo;  // nothing else is missing up to there
+  };
+
+  std::vector<Ahead> ahead_;        // cells on the way, nearest first, of which something may miss
+  bool aheadAsked_ = false;         // the next cell on the way is not there yet
+  std::int64_t aheadStep_ = -1;     // how far along the pose's way that is; -1: not looked at
+  WayPoint heldTo_;                 // nothing is missing on the way up to there
+  bool wayIsHeld_ = false;          // or on all of it that was to be sent when it was looked at
+  std::int64_t wayLookedAtMs_ = 0;  // pose of that time
   // Cells of which nothing is missing, the latest few, a ring: those on the way are met again with
   // every pose.
   std::array<ViewCell, 8> allHeld_{};

@@ -204,6 +204,18 @@ std::optional<ViewCell> restCellOf(const protocol::Pose& pose, const protocol::M
   return cell | static_cast<std::uint32_t>(pose.silhouette);
 }
 
+bool endsPiece(ViewCell cell) {
+  // Of neighbours one has an odd sum of steps: in the directions to stand and to look, and
+  // distance.
+  constexpr int kLook = kSilhouetteBits + kOrthographicBits + kConeBits;
+  constexpr int kDistance = kLook + kDirectionBits + kLogBits;
+  constexpr int kDirection = kDistance + kLogBits;
+  static_assert(kMotionSteps.direction == 16);
+  const auto bit = [cell](int place) { return cell >> place & 1; };
+  return (bit(kLook) ^ bit(kLook + 4) ^ bit(kDistance) ^ bit(kDirection) ^ bit(kDirection + 4)) ==
+         0;
+}
+
 View viewOfCell(ViewCell cell, const protocol::ModelInfo& model) {
   Fields fields(cell);
   if ((cell >> kRestBit & 1) != 0) return viewOfRestCell(fields, model);

@@ -29,6 +29,10 @@ inline constexpr ViewCell kNoCell = ~ViewCell{0};
     const protocol::Pose& pose,
     const protocol::ModelInfo& model);
 
+/// Whether a piece of a way, of about two cells, ends here: the same for everyone, so that those
+/// who go the same way lack the same pieces.
+[[nodiscard]] bool endsPiece(ViewCell cell);
+
 /// What stands for all poses of a cell of either kind: seen from its middle.
 [[nodiscard]] View viewOfCell(ViewCell cell, const protocol::ModelInfo& model);
 

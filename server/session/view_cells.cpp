@@ -137,14 +137,11 @@ ViewCells::Ticket ViewCells::pose(
         if (wanted.expired()) return;
         *result = std::make_shared<const TargetSet>(std::move(set));
       },
-      [this, need, search, wanted, result, entry] {
+      [this, search, wanted, result, entry] {
         if (search) --pendingSearches_;
         if (*result) ++computed_;
         if (entry) entry->set = *result;
-        const auto still = wanted.lock();
-        if (!still) return;
-        still->set = std::move(*result);
-        if (need == Need::kSettled) jumps_.give(1.0);
+        if (const auto still = wanted.lock()) still->set = std::move(*result);
       });
   return job;
 }

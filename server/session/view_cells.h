@@ -25,8 +25,8 @@ struct ViewCellOptions {
   std::size_t maxPending = 64;  // cells beyond that are not started
   std::size_t maxSearches = 4;  // contour searches at a time; beyond, bounds of splits decide
   std::size_t keptPoses = 8;    // sets of single poses that are kept for others
-  // Poses after a rest that get their own set before they have rested themselves, besides those
-  // whose client waits for it; so many at once.
+  // Poses after a rest that get their own set before they have rested themselves, and never do; so
+  // many at once.
   double jumpsPerSecond = 0.25;
   double jumpsAtOnce = 4.0;
 };
@@ -72,9 +72,12 @@ class ViewCells {
   [[nodiscard]] bool mayAsk(const Model& model, const protocol::Pose& pose) const;
 
   /// Whether a pose that comes after a rest, a model's first for instance, may ask for its own set
-  /// at once, as if it were going to stay: then it counts. A crowd that comes and goes on moving
-  /// would keep the workers busy with sets that nobody wants in the end.
+  /// at once, as if it were going to stay: then it counts until that turns out to be so. A crowd
+  /// that comes and goes on moving would keep the workers busy with sets that nobody wants in the
+  /// end.
   [[nodiscard]] bool mayJump(const Model& model, const protocol::Pose& pose, std::int64_t nowMs);
+
+  void giveJumpBack() { jumps_.give(1.0); }
 
   /// A Contour message on its way; as Job.
   struct ContourJob {
