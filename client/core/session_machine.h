@@ -1,23 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/core/backoff.h"
 #include "client/core/byte_counters.h"
-#include "client/core/eviction.h"
+#include "client/core/model_stream.h"
 #include "client/core/pose_reporter.h"
-#include "client/core/section_cache.h"
 #include "client/core/session_state.h"
 #include "client/core/stream_decoder.h"
 
 #include "shared/core/result.h"
-#include "shared/core/rng.h"
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <deque>
-#include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace limn {
@@ -34,10 +30,10 @@ namespace limn {
 ///
 /// A session that has begun a model opens it again with `resume` and its have-set, and goes on from
 /// what it holds. A model is named by its place among those asked for, 0 the first; that is also
-/// its channel. Threads: one at a time.
+/// its channel. What goes on about each is ModelStream's. Threads: one at a time.
 class SessionMachine {
  public:
-  struct Options {
+  struct Options : StreamOptions {
     std::string model;
     std::vector<std::string> moreModels;  // opened beside it, on channels of their own
     std::string clientName = "limn-client";
@@ -47,20 +43,6 @@ class SessionMachine {
     /// What the meshes and their snapshots may take, shared evenly by the models; 0: no limit. The
     /// splits least needed are dropped when it is used up.
     std::uint64_t memoryBytes = 0;
-    /// Faces of the hulls that are wanted, and without which no state counts; 0: none.
-    std::uint32_t outerHullFaces = 0;
-    std::uint32_t innerHullFaces = 0;
-    /// The maps over the outer hull are wanted where the model has them, and without them no state
-    /// counts. Go with outerHullFaces.
-    enum class Maps : std::uint8_t { kOff, kWanted };
-    Maps maps = Maps::kOff;
-    /// Where maps are kept from session to session: what is there is not asked for. Null: nowhere.
-    std::shared_ptr<SectionCache> cache;
-    /// Where silhouettes come from. kServer: of the full mesh, asked for view by view, one request
-    /// at a time; views are told in no other way, so of the mesh only its start comes, and no state
-    /// counts without the newest view's contour.
-    enum class Contours : std::uint8_t { kOwnMesh, kServer };
-    Contours contours = Contours::kOwnMesh;
     std::uint64_t giveUpAfterMs = 30'000;  // of trying to get back to a lost server
     std::uint64_t silenceMs = 30'000;      // of a server that owes something: taken for a loss
     std::uint64_t seed = 1;                // of the backoff's jitter
@@ -77,6 +59,8 @@ class SessionMachine {
   };
 
   explicit SessionMachine(Options options);
+  SessionMachine(const SessionMachine&) = delete;
+  SessionMachine& operator=(const SessionMachine&) = delete;
 
   // ---- Events
 
@@ -110,7 +94,7 @@ class SessionMachine {
   [[nodiscard]] std::size_t modelCount() const { return streams_.size(); }
 
   [[nodiscard]] const StreamDecoder& decoder(std::size_t model = 0) const {
-    return streams_[model].decoder;
+    return streams_[model].decoder();
   }
 
   /// Of the model that is least far.
@@ -144,79 +128,41 @@ class SessionMachine {
   [[nodiscard]] const std::string& notice() const { return notice_; }
 
  private:
-  /// One model: its channel, what is held of it, where it is looked at from.
-  struct Stream {
-    Stream(std::uint8_t id, std::string name) : channel(id), model(std::move(name)), poses(id) {}
-
-    std::uint8_t channel;
-    std::string model;
-    StreamDecoder decoder;
-    PoseReporter poses;
-    bool isOpen = false;                      // its description has come, on this connection
-    std::optional<MeshState> settledAs;       // what the server said about the newest pose
-    std::optional<std::uint64_t> reopenAtMs;  // the model was not ready
-
-    // Exact contours: ids of views.
-    std::uint32_t contourAsked = 0;
-    std::uint32_t contourGot = 0;
-    std::uint64_t contourAskedAtMs = 0;
-
-    // On this connection.
-    std::array<std::uint32_t, 2> hullAsked{};  // faces, by HullSide
-    std::array<bool, kMapKinds> mapAsked{};
-
-    // Room.
-    std::uint32_t maxSplits = 0;  // 0: no limit
-    Eviction eviction;
-    std::vector<VertexId> dropping;  // asked for, not answered yet
-    std::uint32_t drops = 0;         // asked for at this view
-  };
-
-  void handle(Stream& stream, const protocol::ModelInfo& message, std::uint64_t nowMs);
-  void handle(Stream& stream, const protocol::Settled& message, std::uint64_t nowMs);
-  void handle(Stream& stream, const protocol::Dropped& message, std::uint64_t nowMs);
-  void handle(Stream& stream, const protocol::Full& message, std::uint64_t nowMs);
+  void handle(ModelStream& stream, const protocol::ModelInfo& message, std::uint64_t nowMs);
+  void handle(ModelStream& stream, const protocol::Settled& message, std::uint64_t nowMs);
+  void handle(ModelStream& stream, const protocol::Dropped& message, std::uint64_t nowMs);
+  void handle(ModelStream& stream, const protocol::Full& message, std::uint64_t nowMs);
   void handle(const protocol::Welcome& message, std::uint64_t nowMs);
   void handle(const protocol::Failure& message, std::uint64_t nowMs);
   template <class Payload>
   void handlePayload(
-      Stream& stream,
+      ModelStream& stream,
       const Payload& message,
       std::size_t messageBytes,
       std::uint64_t nowMs);
 
   [[nodiscard]] bool hasAnyBase() const;
-  void sendOpen(Stream& stream);
-  void sendPoseIfDue(Stream& stream, std::uint64_t nowMs);
-  void makeRoom(Stream& stream, std::uint32_t missing);
-  void askForHulls(Stream& stream);
-  void askForContour(Stream& stream, std::uint64_t nowMs);
-  void noteContour(Stream& stream, const protocol::Contour& message, std::uint64_t nowMs);
-  [[nodiscard]] bool contourIsThere(const Stream& stream) const;
-  [[nodiscard]] bool wantsMap(const Stream& stream, protocol::MapKind kind) const;
-  void restoreMap(Stream& stream, protocol::MapKind kind);
-  [[nodiscard]] bool hullsAreThere(const Stream& stream) const;
   void acknowledge();
+  /// The stream is damaged.
+  void loseDamaged(const Error& reason, std::uint64_t nowMs);
   void lose(const Error& reason, std::uint64_t nowMs, std::uint64_t retryAfterMs);
   void failWith(Error error);
-  void noteProgress(std::uint64_t nowMs);
+  void noteProgress();
   void noteStates(std::uint64_t nowMs);
-  void checkStop(std::uint64_t nowMs);
+  void checkStop();
   [[nodiscard]] bool owesAnswer() const;
-  [[nodiscard]] bool owesAnswer(const Stream& stream) const;
-  [[nodiscard]] static MeshState stateOf(const Stream& stream);
 
   Options options_;
   Phase phase_ = Phase::kWaiting;
-  std::vector<Stream> streams_;
+  Outbox outbox_;
+  std::vector<ModelStream> streams_;
   ByteCounters bytes_;
   StateTimes times_;
   ContourTimes contourTimes_;
-  std::deque<std::vector<std::uint8_t>> outbox_;
   std::optional<Error> failure_;
   std::optional<Error> blocked_;
   std::string notice_;
-  Rng jitter_;
+  Backoff backoff_;
 
   std::uint64_t startMs_ = 0;
   std::uint32_t connections_ = 0;  // asked for
@@ -224,9 +170,7 @@ class SessionMachine {
   bool everWelcomed_ = false;
   std::uint64_t taken_ = 0;  // payload bytes of this connection
   std::uint64_t acknowledged_ = 0;
-  std::uint32_t failedTries_ = 0;  // losses in a row without any progress between them
-  std::uint32_t damages_ = 0;      // of the stream, in a row
-  std::optional<std::uint64_t> lostAtMs_;
+  std::uint32_t damages_ = 0;  // of the stream, in a row
   std::uint64_t retryAtMs_ = 0;
   std::uint64_t lastHeardMs_ = 0;
 };
