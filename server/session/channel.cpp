@@ -126,7 +126,7 @@ void Channel::take(const protocol::Pose& pose, ViewCells& cells, std::int64_t no
   countsAsJump_ = false;
   poseHasOwnSet_ = false;
   satisfied_ = false;
-  prefetching_ = false;
+  endPrefetch();
   if (plan_ == Plan::kEverything) plan_ = Plan::kNothing;
   // The last set goes on as if it were a cell's, but no longer says that this pose is settled.
   if (plan_ == Plan::kPoseExact || plan_ == Plan::kPoseSettled) plan_ = Plan::kCell;
@@ -173,7 +173,7 @@ Result<void> Channel::drop(protocol::Bytes ids) {
   // It is short of memory: what it does not need it would only drop again.
   options_.prefetchAfterMs = -1;
   if (prefetching_) adopt(Plan::kNothing, nullptr);
-  prefetching_ = false;
+  endPrefetch();
   // A pose's own set counts on what was held when it was searched for.
   poseHasOwnSet_ = false;
   return {};
@@ -263,6 +263,11 @@ double Channel::prefetch() {
   prefetching_ = true;
   adopt(Plan::kEverything, nullptr);
   return have_.vertexCount() - have_.count();
+}
+
+void Channel::endPrefetch() {
+  if (prefetching_) spared_ += have_.vertexCount() - have_.count();
+  prefetching_ = false;
 }
 
 bool Channel::planIsFinal() const {
@@ -662,7 +667,7 @@ OutMessage Channel::packetOf(const std::vector<VertexId>& ids) {
   PacketMaker& packets = model_->packets();
   const std::uint64_t kept = packets.hits();
   const auto coded = packets.packet(ids);
-  if (prefetching_ && packets.hits() != kept) sharedSplits_ += ids.size();
+  if (prefetching_ && packets.hits() != kept) spared_ += ids.size();
   for (const VertexId v : ids)
     have_.add(v);
   const double measured = static_cast<double>(coded->bytes()) / static_cast<double>(ids.size());

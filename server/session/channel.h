@@ -125,10 +125,12 @@ class Channel {
   /// Sends that from now on, until the next pose. Returns how many splits it is.
   [[nodiscard]] double prefetch();
 
-  /// How many of them, since the last call, need not be coded since others were sent the same.
-  [[nodiscard]] double takeSharedSplits() {
-    return static_cast<double>(std::exchange(sharedSplits_, 0));
-  }
+  /// How many of them, since the last call, turned out not to be coded: others were sent the same,
+  /// or something else came first.
+  [[nodiscard]] double takeSpared() { return static_cast<double>(std::exchange(spared_, 0)); }
+
+  /// Sends nothing more than what is needed.
+  void endPrefetch();
 
   /// Chooses a cell on the camera's way once everything before it is sent. True when it did: there
   /// may be more to send.
@@ -251,7 +253,7 @@ class Channel {
   bool full_ = false;       // something that the pose needs is missing, and there is no room
   bool fullSent_ = false;
   bool prefetching_ = false;
-  std::size_t sharedSplits_ = 0;
+  std::size_t spared_ = 0;     // splits of prefetch() that are not coded
   bool settledSent_ = false;   // for this pose and goal
   bool completeSent_ = false;  // for this pose
   std::optional<std::vector<std::uint8_t>> droppedAnswer_;

@@ -33,13 +33,26 @@ Session::Session(
       nowMs_(nowMs),
       window_({.mostBytes = shared.options.windowBytes}) {}
 
+Session::~Session() {
+  closeChannels();
+}
+
 Channel* Session::find(std::uint8_t id) {
   const auto found = std::ranges::find(channels_, id, [](const auto& c) { return c->id(); });
   return found == channels_.end() ? nullptr : found->get();
 }
 
 void Session::closeChannel(std::uint8_t id) {
+  if (Channel* channel = find(id)) {
+    channel->endPrefetch();
+    giveBack(*channel);
+  }
   std::erase_if(channels_, [id](const auto& c) { return c->id() == id; });
+}
+
+void Session::closeChannels() {
+  while (!channels_.empty())
+    closeChannel(channels_.back()->id());
 }
 
 void Session::refuse(protocol::WireError code, std::int16_t channel, const std::string& why) {
@@ -53,7 +66,7 @@ void Session::refuse(protocol::WireError code, std::int16_t channel, const std::
   if (channel < 0 || refusals_.size() > kMaxRefusals) {
     close_ = Close::kProtocolError;
     closeReason_ = why;
-    channels_.clear();
+    closeChannels();
   }
 }
 
@@ -194,6 +207,7 @@ void Session::handle(const protocol::Pose& pose) {
   if (channel == nullptr) return;
   ++shared_.poses;
   if (!channel->pose(pose, shared_.cells, nowMs_)) ++shared_.posesReplaced;
+  giveBack(*channel);
 }
 
 void Session::handle(const protocol::Acknowledge& acknowledge) {
@@ -219,14 +233,12 @@ void Session::handle(const protocol::GetMap& request) {
   if (Channel* channel = find(request.channel)) answer(channel->getMap(request), request.channel);
 }
 
-/// Refuses a request for a hull or a map that was not taken.
+/// Refuses a request for a hull or a map that was not taken. What the model does not have is not
+/// sent, and that is all: ModelInfo said so, and a model that lost its hulls when it was prepared
+/// again is still to be drawn without.
 void Session::answer(const Result<void>& taken, std::uint8_t channel) {
-  if (taken) return;
-  refuse(
-      taken.error().code == ErrorCode::kNotFound ? protocol::WireError::kNotFound
-                                                 : protocol::WireError::kState,
-      channel,
-      taken.error().message);
+  if (taken || taken.error().code == ErrorCode::kNotFound) return;
+  refuse(protocol::WireError::kState, channel, taken.error().message);
 }
 
 void Session::handle(const protocol::GetContour& request) {
@@ -250,6 +262,7 @@ void Session::update(std::int64_t nowMs) {
       if (!kept) continue;
     }
     more = channel.update(shared_.cells, nowMs) || more;
+    giveBack(channel);
     if (channel.mayPrefetch(nowMs) && shared_.prefetch.allows(nowMs)) {
       // Before any of it is coded, so that one begins at a time.
       shared_.prefetch.spend(channel.prefetch());
@@ -328,7 +341,7 @@ std::optional<OutMessage> Session::nextPayload() {
     auto message = channel.nextPayload(window_);
     if (message) {
       channel.addServed(message->bytes().size());
-      shared_.prefetch.give(channel.takeSharedSplits());
+      giveBack(channel);
       return message;
     }
     // Nothing, as it turned out, or the window is full: then nobody else's turn comes before.
@@ -350,7 +363,7 @@ void Session::drain(std::uint32_t retryAfterMs) {
   failure.message = "the server is going down; connect again";
   failure.retryAfterMs = retryAfterMs;
   refusals_.push_back(protocol::encodeMessage(failure));
-  channels_.clear();
+  closeChannels();
   close_ = Close::kGoingAway;
   closeReason_ = failure.message;
   peer_.wantWrite();

@@ -46,6 +46,7 @@ class Session {
       Peer& peer,
       std::int64_t nowMs,
       std::shared_ptr<const Grant> grant = nullptr);
+  ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
@@ -117,6 +118,11 @@ class Session {
   /// Queues an Error; channel −1 ends the connection, others the channel.
   void refuse(protocol::WireError code, std::int16_t channel, const std::string& why);
   void closeChannel(std::uint8_t id);
+  void closeChannels();
+
+  /// Lets others have of the prefetching what this channel was given and has no use for.
+  void giveBack(Channel& channel) { shared_.prefetch.give(channel.takeSpared()); }
+
   /// Gives a loading channel its model if it has arrived. False when the channel is gone.
   bool tryLoad(Channel& channel);
 

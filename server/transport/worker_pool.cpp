@@ -15,7 +15,9 @@ constexpr auto kSearch = static_cast<std::size_t>(TaskUrgency::kSearch);
 
 }  // namespace
 
-WorkerPool::WorkerPool(std::size_t threads, std::function<void()> wake) : wake_(std::move(wake)) {
+WorkerPool::WorkerPool(std::size_t threads, std::function<void()> wake)
+    : wake_(std::move(wake)),
+      hasUrgentThread_(threads > 1) {
   for (std::size_t i = 0; i < threads; ++i) {
     const Role role = threads == 1 ? Role::kBoth : i == 0 ? Role::kUrgent : Role::kSearching;
     threads_.emplace_back([this, role] { serve(role); });
@@ -33,7 +35,8 @@ void WorkerPool::stop() {
     for (auto& queue : queues_)
       queue.clear();
   }
-  condition_.notify_all();
+  urgentWork_.notify_all();
+  work_.notify_all();
   for (std::thread& thread : threads_)
     thread.join();
   threads_.clear();
@@ -44,13 +47,14 @@ void WorkerPool::submit(
     std::function<void()> work,
     std::function<void()> done) {
   ++pending_;
+  bool isForUrgentThread = false;
   {
     const std::lock_guard lock(mutex_);
     queues_[static_cast<std::size_t>(urgency)].push_back(
         {std::move(work), std::move(done), submitted_++});
+    isForUrgentThread = hasUrgentThread_ && urgency != TaskUrgency::kSearch && !urgentIsBusy_;
   }
-  // Not one: it may be one that must not take it.
-  condition_.notify_all();
+  (isForUrgentThread ? urgentWork_ : work_).notify_one();
 }
 
 std::size_t WorkerPool::runDone() {
@@ -104,8 +108,9 @@ WorkerPool::Task WorkerPool::next(Role role) {
   queue.pop_front();
   if (role == Role::kUrgent) {
     urgentIsBusy_ = true;
-    condition_.notify_all();
   }
+  // Each that begins wakes the next, as long as there is something for it.
+  if (hasUrgentThread_ && hasNext(Role::kSearching)) work_.notify_one();
   return task;
 }
 
@@ -117,7 +122,8 @@ void WorkerPool::serve(Role role) {
     Task task;
     {
       std::unique_lock lock(mutex_);
-      condition_.wait(lock, [this, role] { return stopping_ || hasNext(role); });
+      std::condition_variable& condition = role == Role::kUrgent ? urgentWork_ : work_;
+      condition.wait(lock, [this, role] { return stopping_ || hasNext(role); });
       if (stopping_) return;
       task = next(role);
     }

@@ -60,9 +60,12 @@ class WorkerPool final : public TaskRunner {
   [[nodiscard]] Task next(Role role);
 
   std::function<void()> wake_;
+  const bool hasUrgentThread_;
   std::size_t pending_ = 0;  // loop thread
   std::mutex mutex_;
-  std::condition_variable condition_;
+  // For who waits: the thread that never searches, and the others.
+  std::condition_variable urgentWork_;
+  std::condition_variable work_;
   std::array<std::deque<Task>, kTaskUrgencies> queues_;  // guarded by mutex_
   bool urgentIsBusy_ = false;                            // guarded by mutex_
   std::size_t taken_ = 0;                                // guarded by mutex_

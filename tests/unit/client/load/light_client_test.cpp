@@ -178,6 +178,32 @@ TEST_F(LightClientTest, LosingTheLineCountsAsDroppedOrFailedOnce) {
   EXPECT_EQ(counters_.failed, 2u);
 }
 
+TEST_F(LightClientTest, WhoReturnsComesBackWhenTheLineIsLost) {
+  phase_.returns = true;
+  auto client = makeClient();
+  bringUp(*client);
+  client->closed("gone", 500.0);
+  EXPECT_EQ(counters_.dropped, 0u);
+  EXPECT_EQ(counters_.reconnects, 1u);
+  const double dueMs = client->nextDueMs();
+  EXPECT_GT(dueMs, 500.0);
+  client->tick(dueMs);
+  EXPECT_EQ(client->takeWish(), LightClient::Wish::kConnect);
+}
+
+TEST_F(LightClientTest, WhoIsNotMeasuredCountsNoLatencyOfPoses) {
+  for (const bool measured : {false, true}) {
+    phase_.measured = measured;
+    auto client = makeClient();
+    bringUp(*client);
+    client->tick(110.0);
+    give(*client, protocol::Packet{0, 1, splits_, {}}, 150.0);
+    give(*client, protocol::Settled{0, 1, protocol::Goal::kSettled}, 160.0);
+    EXPECT_EQ(counters_.poseToPacket.count(), measured ? 1u : 0u);
+    EXPECT_EQ(counters_.settled.count(), measured ? 1u : 0u);
+  }
+}
+
 TEST_F(LightClientTest, WaitsForAModelThatIsNotReadyAndCountsTheWait) {
   auto client = makeClient();
   client->tick(100.0);

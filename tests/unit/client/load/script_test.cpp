@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 namespace limn::load {
 namespace {
@@ -49,6 +50,46 @@ pose_to_packet_p99_ms = 50
   EXPECT_EQ(script->thresholds.at("pose_to_packet_p99_ms"), 50.0);
 }
 
+TEST(LoadScript, ReadsEveryKeyOfAPhase) {
+  const auto script = parseScript(
+      R"([[phase]]
+model = "dragon"
+also = ["bunny", "horse"]
+delay_s = 1.5
+elevation_deg = -30
+distance = 2.5
+fov = 60
+link_kbps = 500
+error_px = 2
+width = 640
+height = 480
+behaviour = "idle"
+measured = false
+returns = true
+[[phase]]
+model = "dragon"
+behaviour = "slow-reader"
+)",
+      ".");
+  ASSERT_TRUE(script) << script.error().message;
+  const Phase& phase = script->phases[0];
+  EXPECT_EQ(phase.also, (std::vector<std::string>{"bunny", "horse"}));
+  EXPECT_EQ(phase.delaySeconds, 1.5);
+  EXPECT_EQ(phase.elevationDegrees, -30.0);
+  EXPECT_EQ(phase.distanceRadii, 2.5);
+  EXPECT_EQ(phase.fovDegrees, 60.0);
+  EXPECT_EQ(phase.linkKbps, 500.0);
+  EXPECT_EQ(phase.errorPx, 2.0);
+  EXPECT_EQ(phase.width, 640);
+  EXPECT_EQ(phase.height, 480);
+  EXPECT_EQ(phase.behaviour, Behaviour::kIdle);
+  EXPECT_FALSE(phase.measured);
+  EXPECT_TRUE(phase.returns);
+  EXPECT_TRUE(script->phases[1].measured);
+  EXPECT_FALSE(script->phases[1].returns);
+  EXPECT_EQ(script->phases[1].linkKbps, 32.0) << "a slow reader without a speed";
+}
+
 TEST(LoadScript, RefusesWithTheLineAndWhatToWrite) {
   struct Case {
     const char* toml;
@@ -62,6 +103,11 @@ TEST(LoadScript, RefusesWithTheLineAndWhatToWrite) {
            Case{"[[phase]]\nclients = 1\n", "names no model"},
            Case{"[[phase]]\nmodel = \"a\"\nbehaviour = \"rude\"\n", "slow-reader"},
            Case{"[[phase]]\nmodel = \"a\"\n[thresholds]\nspeed = 1\n", "pose_to_packet_p99_ms"},
+           Case{"[[phase]]\nmodel = \"a\"\nalso = \"b\"\n", "line 3: also is a list"},
+           Case{"[[phase]]\nmodel = \"a\"\nalso = [1]\n", "line 3: also is a list"},
+           Case{"[[phase]]\nmodel = \"a\"\nreturns = 1\n", "line 3: returns must be true"},
+           Case{"[[phase]]\nmodel = \"a\"\nmeasured = \"no\"\n", "measured must be true or false"},
+           Case{"[[phase]]\nmodel = \"a\"\ndelay_s = -1\n", "line 3: delay_s"},
            Case{"decode = 1\n", "[[phase]]"},
            Case{"decode = 2\n[[phase]]\nmodel = \"a\"\n", "0 to 1"},
            Case{"[[phase]\n", "line 1"},

@@ -120,6 +120,82 @@ TEST(Session, SettlesThenStopsUntilThePoseHasRested) {
   EXPECT_EQ(link.settled_, (SettledList{{1, Goal::kSettled}, {1, Goal::kComplete}}));
 }
 
+/// A thousand splits a second, of all clients.
+SessionOptions slowlyPrefetching() {
+  SessionOptions options;
+  options.prefetchSplitsPerSecond = 1000.0;
+  return options;
+}
+
+TEST(Session, PrefetchingIsPacedOverAllClients) {
+  Link link(slowlyPrefetching());
+  Session second(link.shared_, link, 0);
+  std::uint64_t payload = 0;
+  bool isComplete = false;
+  const auto tell = [&](const protocol::Body& body) {
+    second.receive(protocol::encodeMessage(body), link.now_);
+  };
+  const auto step = [&] {
+    link.settle();
+    second.update(link.now_);
+    while (const auto out = second.nextMessage(link.now_)) {
+      if (out->payload) payload += out->bytes().size();
+      const auto message = protocol::decodeMessage(out->bytes(), protocol::Sender::kServer);
+      const auto* settled = message ? message->as<protocol::Settled>() : nullptr;
+      isComplete = isComplete || (settled != nullptr && settled->state == Goal::kComplete);
+      tell(protocol::Acknowledge{payload});
+    }
+  };
+  link.hello();
+  link.open("bumpy");
+  tell(protocol::Hello{1, "test"});
+  tell(protocol::Open{0, "bumpy", false});
+  // Views of no other test: what was sent once is not paced.
+  link.look({1.3, -2.1, 0.7}, Goal::kSettled);
+  protocol::Pose pose = poseAt(bumpy()->info(), {-3.2, 1.1, 2});
+  pose.id = 1;
+  tell(pose);
+  for (int i = 0; i < 3; ++i)
+    step();
+  const std::uint32_t lacking = bumpy()->forest().splitCount() - link.decoder().mesh().splitsHeld();
+  link.now_ += SessionOptions{}.prefetchAfterMs;
+  const std::int64_t begunMs = link.now_;
+  step();
+  EXPECT_TRUE(link.decoder().complete()) << "the first to ask";
+  EXPECT_FALSE(isComplete) << "waits for its turn";
+  while (!isComplete && link.now_ < begunMs + 60'000) {
+    link.now_ += 100;
+    step();
+  }
+  EXPECT_TRUE(isComplete);
+  // A split a millisecond, but for what others were sent too.
+  EXPECT_GE(link.now_ - begunMs, lacking / 2);
+}
+
+TEST(Session, WhatEndsBeforeItIsPrefetchedIsGivenBack) {
+  const auto begin = [](Link& link) {
+    link.hello();
+    link.open("bumpy");
+    link.look({1, 2, 3}, Goal::kSettled);
+    link.settle();
+    link.now_ += SessionOptions{}.prefetchAfterMs;
+    link.session_.update(link.now_);
+    EXPECT_FALSE(link.shared_.prefetch.allows(link.now_));
+  };
+  {
+    Link link(slowlyPrefetching());
+    begin(link);
+    link.look({3, 2, 1}, Goal::kSettled);
+    EXPECT_TRUE(link.shared_.prefetch.allows(link.now_)) << "by another pose";
+  }
+  {
+    Link link(slowlyPrefetching());
+    begin(link);
+    link.session_.drain(0);
+    EXPECT_TRUE(link.shared_.prefetch.allows(link.now_)) << "by the client's leaving";
+  }
+}
+
 TEST(Session, WithoutPrefetchASettledClientGetsNothingMore) {
   SessionOptions options;
   options.prefetchAfterMs = -1;

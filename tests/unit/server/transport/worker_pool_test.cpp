@@ -127,6 +127,30 @@ class BusyPool {
   WorkerPool pool_;  // last: its threads use the rest
 };
 
+TEST(WorkerPool, EveryThreadTakesPartWhateverComesFirst) {
+  constexpr int kThreads = 4;
+  for (const TaskUrgency urgency : {TaskUrgency::kMotion, TaskUrgency::kSearch}) {
+    // The one that never searches has a task of its own.
+    const int tasks = urgency == TaskUrgency::kSearch ? kThreads - 1 : kThreads;
+    std::atomic<int> running = 0;
+    std::atomic<int> done = 0;
+    WorkerPool pool(kThreads, [] {});
+    for (int i = 0; i < tasks; ++i) {
+      pool.submit(
+          urgency,
+          [&] {
+            // None ends before all have begun.
+            for (++running; running < tasks;)
+              std::this_thread::yield();
+            ++done;
+          },
+          [] {});
+    }
+    while (done < tasks)
+      std::this_thread::yield();
+  }
+}
+
 TEST(WorkerPool, WhatIsMostUrgentGoesFirst) {
   BusyPool busy(1);
   busy.pool().submit(TaskUrgency::kSearch, busy.note(5), [] {});
