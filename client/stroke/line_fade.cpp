@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/line_fade.h"
 
+#include "client/stroke/line_covers.h"
+
 #include "shared/core/disjoint_sets.h"
 
 #include <algorithm>
@@ -17,6 +19,11 @@ float fade(float extentPx, float belowPx) {
   const float t = std::clamp(extentPx / belowPx - 1.0F, 0.0F, 1.0F);
   return t * t * (3.0F - 2.0F * t);
 }
+
+/// A small outline that lies over larger ones for this share of its extent is as strong as they
+/// are, from where it begins to be: they are hidden there.
+constexpr float kCoversFrom = 0.1F;
+constexpr float kCovers = 0.25F;
 
 /// Ends of outlines, or of inner lines, as near as this continue one another.
 constexpr float kJoinPx = 2.0F;
@@ -62,7 +69,11 @@ std::vector<float> joinedExtents(const SpineSet& spines) {
 
 }  // namespace
 
-void fadeLines(const SpineSet& spines, const StrokeStyle& style, std::vector<LineFade>& fades) {
+void fadeLines(
+    const SpineSet& spines,
+    const StrokeStyle& style,
+    const LineScene& scene,
+    std::vector<LineFade>& fades) {
   fades.clear();
   if (spines.spines.empty()) return;
   glm::vec2 low = spines.spines.front().low;
@@ -83,6 +94,16 @@ void fadeLines(const SpineSet& spines, const StrokeStyle& style, std::vector<Lin
          isSuggestion(spine.kind)
              ? 0.0F
              : fade(spine.extentPx(), std::min(factor * style.fadeHiddenBelowPx, largest))});
+  }
+  std::vector<std::uint8_t> isSmall(fades.size(), 0);
+  for (std::size_t i = 0; i < fades.size(); ++i)
+    isSmall[i] = fades[i].visible < 1.0F ? 1 : 0;
+  const std::vector<float> covered = coveredLengths(spines, isSmall, scene.camera, scene.viewport);
+  for (std::size_t i = 0; i < fades.size(); ++i) {
+    if (!(covered[i] > 0.0F)) continue;
+    const float share = covered[i] / std::max(spines.spines[i].extentPx(), 1.0F);
+    const float strength = (share - kCoversFrom) / (kCovers - kCoversFrom);
+    fades[i].visible = std::max(fades[i].visible, std::clamp(strength, 0.0F, 1.0F));
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/line_scene.h"
 #include "client/stroke/spine.h"
 #include "client/stroke/style.h"
 
@@ -16,10 +17,16 @@ struct LineFade {
 };
 
 /// Fades of every spine by its extent (where visible: with those that continue it), a
-/// smooth ramp from the style's limit to twice as much. The limits are at most a share of the whole
+/// smooth ramp from the style's limit to twice as much; small ones that take a larger outline's
+/// place do not fade. The limits are at most a share of the whole
 /// drawing's extent, so that a small picture of a model is not an empty one. Parallel to
-/// SpineSet::spines. Cost: O(spines · log spines).
-void fadeLines(const SpineSet& spines, const StrokeStyle& style, std::vector<LineFade>& fades);
+/// SpineSet::spines. Cost: O(spines · log spines +
+/// length of outlines in pixels).
+void fadeLines(
+    const SpineSet& spines,
+    const StrokeStyle& style,
+    const LineScene& scene,
+    std::vector<LineFade>& fades);
 
 /// Leaves out spines of which nothing is to be seen, and their fades. Cost: O(points).
 void dropFaded(SpineSet& spines, std::vector<LineFade>& fades);

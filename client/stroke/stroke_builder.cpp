@@ -32,7 +32,7 @@ BuiltStrokes StrokeBuilder::build(
     const StrokeStyle& style,
     const StrokeBuildOptions& options) {
   projector_.project(lines, scene, options.mergePx, spines_);
-  fadeLines(spines_, style, fades_);
+  fadeLines(spines_, style, scene, fades_);
   dropFaded(spines_, fades_);
   smoothSpines(style.smoothPx, spines_);
   measureSpines(spines_, arcs_);

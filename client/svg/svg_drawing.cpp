@@ -254,7 +254,7 @@ std::string svgDrawing(
   // The picture's own steps, so that its strokes run where these do.
   SpineSet spines = projectLines(lines, scene);
   std::vector<LineFade> fades;
-  fadeLines(spines, style, fades);
+  fadeLines(spines, style, scene, fades);
   dropFaded(spines, fades);
   smoothSpines(style.smoothPx, spines);
   const SpineArcs arcs = measureSpines(spines);

@@ -58,9 +58,17 @@ StrokeStyle plainStyle() {
   return style;
 }
 
+/// As seen by the default camera; there is no mesh.
+LineScene scene() {
+  static const HalfEdgeMesh kNothing;
+  static const Grid kGrid;
+  static const Camera kCamera;
+  return {kNothing, {}, kGrid, kCamera, {512, 512}};
+}
+
 StrokeMesh strokes(const Drawn& d, const StrokeStyle& style, const Brush& brush = {}) {
   std::vector<LineFade> fades;
-  fadeLines(d.spines, style, fades);
+  fadeLines(d.spines, style, scene(), fades);
   SpineParameters parameters;
   freshParameters(d.spines, d.arcs, d.lines, texturePeriod(style, style.widthPx), parameters);
   StrokeMesh mesh;
@@ -119,6 +127,7 @@ TEST(Strokes, AShortPieceOfALongerLineDoesNotFade) {
     spine.low = glm::min(from, to);
     spine.high = glm::max(from, to);
     spines.points.insert(spines.points.end(), {from, to});
+    spines.depth.insert(spines.depth.end(), {0.5F, 0.5F});
     spines.spines.push_back(spine);
   };
   add({10.0F, 10.0F}, {400.0F, 400.0F});
@@ -127,10 +136,47 @@ TEST(Strokes, AShortPieceOfALongerLineDoesNotFade) {
   StrokeStyle style;
   style.fadeBelowPx = style.fadeHiddenBelowPx = 6.0F;
   std::vector<LineFade> fades;
-  fadeLines(spines, style, fades);
+  fadeLines(spines, style, scene(), fades);
   EXPECT_EQ(fades[1].visible, 1.0F);
   EXPECT_EQ(fades[1].hidden, 0.0F);  // hidden lines are not to crowd
   EXPECT_EQ(fades[2].visible, 0.0F);
+}
+
+TEST(Strokes, ABumpThatTakesALongOutlinesPlaceDoesNotFade) {
+  // A bump 10 px long over an outline; 7 px nearer to the eye unless said otherwise.
+  const auto fadeOf = [](float depth, const glm::vec2& shift, bool isTurned) {
+    SpineSet spines;
+    spines.points = {{10.0F, 200.0F}, {500.0F, 200.0F}};
+    spines.depth = {0.5F, 0.5F};
+    std::vector<glm::vec2> bump = {
+        {200.0F, 199.0F},
+        {205.0F, 200.0F},
+        {210.0F, 199.0F},
+        {205.0F, 196.0F}};
+    if (isTurned)
+      bump = {bump[0] - glm::vec2(0.0F, 4.0F), bump[2] - glm::vec2(0.0F, 4.0F), bump[1]};
+    for (const glm::vec2& p : bump) {
+      spines.points.push_back(p + shift);
+      spines.depth.push_back(depth);
+    }
+    spines.spines.resize(2);
+    spines.spines[0].end = 2;
+    spines.spines[1].closed = true;
+    spines.spines[1].begin = 2;
+    spines.spines[1].end = static_cast<std::uint32_t>(spines.points.size());
+    measureBoxes(spines);
+    StrokeStyle style;
+    style.fadeBelowPx = 12.0F;
+    std::vector<LineFade> fades;
+    fadeLines(spines, style, scene(), fades);
+    EXPECT_EQ(fades[0].visible, 1.0F);
+    return fades[1].visible;
+  };
+  EXPECT_EQ(fadeOf(0.495F, {}, false), 1.0F);
+  EXPECT_EQ(fadeOf(0.505F, {}, false), 0.0F);            // behind the outline
+  EXPECT_EQ(fadeOf(0.4F, {}, false), 0.0F);              // far before it
+  EXPECT_EQ(fadeOf(0.495F, {0.0F, 9.0F}, false), 0.0F);  // beside it
+  EXPECT_EQ(fadeOf(0.495F, {}, true), 0.0F);             // bounding the other side there
 }
 
 TEST(Tessellate, EveryPointNearTheSpineIsCoveredHoweverSharpTheTurns) {
