@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/core/integer_vectors.h"
 #include "shared/mesh/half_edge.h"
 
 #include <glm/glm.hpp>
@@ -15,17 +16,16 @@ edgeMiddle(const HalfEdgeMesh& mesh, std::span<const glm::ivec3> positions, Half
   return 0.5 * (glm::dvec3(positions[mesh.origin(h)]) + glm::dvec3(positions[mesh.target(h)]));
 }
 
-/// Whether the two faces at half-edge h, which has a twin, bend inwards. Exact: grid coordinates
-/// have at most 20 bits, so the triple product fits 64. Cost: O(1).
+/// Whether the two faces at half-edge h, which has a twin, bend inwards. Exact for any coordinates
+/// up to kMaxGridCoordinate. Cost: O(1).
 [[nodiscard]] inline bool
 isConcave(const HalfEdgeMesh& mesh, std::span<const glm::ivec3> positions, HalfEdgeId h) {
-  using Wide = glm::i64vec3;
-  const Wide a(positions[mesh.origin(h)]);
-  const Wide ab = Wide(positions[mesh.target(h)]) - a;
-  const Wide ac = Wide(positions[mesh.origin(HalfEdgeMesh::prev(h))]) - a;
-  const Wide ad = Wide(positions[mesh.origin(HalfEdgeMesh::prev(mesh.twin(h)))]) - a;
-  const Wide n(ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x);
-  return n.x * ad.x + n.y * ad.y + n.z * ad.z > 0;
+  const glm::i64vec3 a(positions[mesh.origin(h)]);
+  const glm::i64vec3 ab = glm::i64vec3(positions[mesh.target(h)]) - a;
+  const glm::i64vec3 ac = glm::i64vec3(positions[mesh.origin(HalfEdgeMesh::prev(h))]) - a;
+  const glm::i64vec3 ad =
+      glm::i64vec3(positions[mesh.origin(HalfEdgeMesh::prev(mesh.twin(h)))]) - a;
+  return dotExact(crossExact(ab, ac), ad) > 0;
 }
 
 /// Whether a face around either end of half-edge h, which has a twin, but for its own two, is in

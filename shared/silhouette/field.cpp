@@ -7,6 +7,7 @@
 #include "shared/silhouette/field.h"
 
 #include "shared/core/assert.h"
+#include "shared/core/integer_vectors.h"
 
 #include <algorithm>
 #include <array>
@@ -14,15 +15,6 @@
 
 namespace limn {
 namespace {
-
-using Long3 = glm::tvec3<std::int64_t>;
-
-// Exact: grid differences stay below 2^20, so products below 2^41.
-Long3 crossOf(const glm::ivec3& u, const glm::ivec3& v) {
-  const Long3 a(u);
-  const Long3 b(v);
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 glm::vec4 planeThrough(const glm::dvec3& normal, const glm::ivec3& point) {
   const glm::vec3 n(normal);
@@ -44,7 +36,8 @@ std::vector<glm::vec4> facePlanes(
   planes.reserve(mesh.faceCount());
   for (const glm::uvec3& t : mesh.triangles()) {
     const glm::ivec3 a = positions[t.x];
-    const Long3 normal = crossOf(positions[t.y] - a, positions[t.z] - a);
+    const glm::i64vec3 normal =
+        crossExact(glm::i64vec3(positions[t.y] - a), glm::i64vec3(positions[t.z] - a));
     planes.push_back(planeThrough(glm::dvec3(normal), a - center));
   }
   return planes;
@@ -57,7 +50,8 @@ std::vector<VertexSite> vertexSites(
   std::vector<glm::dvec3> sums(mesh.vertexCount(), glm::dvec3(0.0));
   for (const glm::uvec3& t : mesh.triangles()) {
     const std::array<glm::ivec3, 3> corners = {positions[t.x], positions[t.y], positions[t.z]};
-    const glm::dvec3 normal(crossOf(corners[1] - corners[0], corners[2] - corners[0]));
+    const glm::dvec3 normal(
+        crossExact(glm::i64vec3(corners[1] - corners[0]), glm::i64vec3(corners[2] - corners[0])));
     const double area = glm::length(normal);
     if (area == 0.0) continue;
     const glm::dvec3 unit = normal / area;

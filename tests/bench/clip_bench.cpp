@@ -17,6 +17,7 @@
 #include "client/stroke/chain.h"
 #include "server/contour/contour_extractor.h"
 #include "server/preprocess/hulls/build_hull.h"
+#include "tests/bench/measure.h"
 #include "tests/corpus/corpus.h"
 #include "tests/unit/client/render/outline_coverage.h"
 
@@ -29,7 +30,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <memory>
 #include <string>
 #include <utility>
@@ -46,18 +46,13 @@ struct Settings {
   bool times = false;
 };
 
-/// Of the whole process, so of a software renderer's threads, too.
-double processorMs() {
-  return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 template <class Work>
 double bestOf(int rounds, Work work) {
   double best = 1e300;
   for (int i = 0; i < rounds; ++i) {
-    const double begin = processorMs();
+    const double begin = processCpuMs();
     work();
-    best = std::min(best, processorMs() - begin);
+    best = std::min(best, processCpuMs() - begin);
   }
   return best;
 }

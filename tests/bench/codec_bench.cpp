@@ -10,6 +10,7 @@
 #include "server/preprocess/forest/build_forest.h"
 #include "server/preprocess/import/import.h"
 #include "server/preprocess/repair/repair.h"
+#include "tests/bench/measure.h"
 
 #include "shared/codec/attribute_codec.h"
 #include "shared/codec/draco_codec.h"
@@ -23,7 +24,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -36,13 +36,6 @@ namespace {
 constexpr std::uint32_t kRunSplits = 4096;  // as prepared assets have them
 constexpr std::uint32_t kPacketSplits = 2500;
 constexpr int kRounds = 5;
-
-// Of this thread: other work on the machine does not count.
-double cpuSeconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 using Runs = std::vector<std::vector<std::uint8_t>>;
 
@@ -63,11 +56,11 @@ double secondsToDecode(const SplitForest& forest, const SplitModel& model, const
   for (int round = 0; round < kRounds; ++round) {
     ActiveMesh mesh = baseOf(forest);
     SplitDecoder decoder(model);
-    const double begin = cpuSeconds();
+    const double begin = threadCpuMs();
     for (const auto& run : runs) {
       if (!decoder.decode(run, mesh)) return -1.0;
     }
-    best = std::min(best, cpuSeconds() - begin);
+    best = std::min(best, 1e-3 * (threadCpuMs() - begin));
   }
   return best;
 }
@@ -106,10 +99,10 @@ std::vector<VertexId> splitsOfView(const SplitForest& forest) {
 template <class Encode>
 double secondsToEncode(std::span<const VertexId> ids, Runs& packets, const Encode& encode) {
   packets.clear();
-  const double begin = cpuSeconds();
+  const double begin = threadCpuMs();
   for (; !ids.empty(); ids = ids.subspan(std::min<std::size_t>(kPacketSplits, ids.size())))
     packets.push_back(encode(ids.first(std::min<std::size_t>(kPacketSplits, ids.size()))));
-  return cpuSeconds() - begin;
+  return 1e-3 * (threadCpuMs() - begin);
 }
 
 std::optional<BuiltForest> prepare(const char* file, int bits) {
@@ -210,7 +203,7 @@ bool benchMesh(const char* file, int bits) {
   if (!built) return false;
   const SplitForest& forest = built->forest;
 
-  const double begin = cpuSeconds();
+  const double begin = threadCpuMs();
   const LevelFronts fronts = frontsOf(forest);
   const SplitModel model = trainSplitModel(forest, fronts);
   Runs levels;
@@ -220,7 +213,7 @@ bool benchMesh(const char* file, int bits) {
       levels.push_back(encodeLevelRun(forest, model, fronts, v, std::min(v + kRunSplits, end)));
     }
   }
-  const double encode = cpuSeconds() - begin;
+  const double encode = 1e-3 * (threadCpuMs() - begin);
   const std::vector<VertexId> ids = splitsOfView(forest);
   Runs packets;
   const double anew = secondsToEncode(ids, packets, [&](std::span<const VertexId> some) {

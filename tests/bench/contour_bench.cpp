@@ -12,6 +12,7 @@
 #include "server/contour/contour_extractor.h"
 #include "server/preprocess/import/import.h"
 #include "server/preprocess/repair/repair.h"
+#include "tests/bench/measure.h"
 
 #include "protocol/limits.h"
 #include "protocol/messages.h"
@@ -21,7 +22,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,12 +31,6 @@ namespace {
 
 constexpr int kViews = 101;
 constexpr double kNodeCostOfPaper = 4.0 / 3.0;
-
-double processorMs() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 std::vector<SilhouetteView> viewsOf(const TriangleMesh& mesh) {
   const BoundingSphere sphere = boundingSphere(mesh.grid, mesh.positions);
@@ -66,9 +60,9 @@ Search measure(Detector& detector, const std::vector<SilhouetteView>& views) {
   for (const SilhouetteView& view : views) {
     double best = 1e300;
     for (int round = 0; round < 4; ++round) {
-      const double begin = processorMs();
+      const double begin = threadCpuMs();
       static_cast<void>(detector.detect(view));
-      if (round > 0) best = std::min(best, processorMs() - begin);
+      if (round > 0) best = std::min(best, threadCpuMs() - begin);
     }
     const DetectionStats& stats = detector.detect(view).stats;
     sum.ms += best / kViews;
@@ -126,9 +120,9 @@ bool benchSearch(const SilhouetteField& field, const std::vector<SilhouetteView>
   Search byForest;
   for (const auto& [name, cost] :
        {std::pair{"forest_paper", ForestCost{kNodeCostOfPaper}}, {"forest", ForestCost{}}}) {
-    begin = processorMs();
+    begin = threadCpuMs();
     AnchoredForest forest(field, cost);
-    const double forestMs = processorMs() - begin;
+    const double forestMs = threadCpuMs() - begin;
     byForest = measure(forest, views);
     printSearch(name, byForest, forestMs, forest.memoryBytes());
   }
@@ -136,9 +130,9 @@ bool benchSearch(const SilhouetteField& field, const std::vector<SilhouetteView>
   for (const VectorCode code : {VectorCode::kPortable, VectorCode::kAvx512}) {
     options.vectorCode = code;
     const bool portable = code == VectorCode::kPortable;
-    begin = processorMs();
+    begin = threadCpuMs();
     const auto tree = makeDetector(DetectorMethod::kCones, field, options);
-    const double treeMs = processorMs() - begin;
+    const double treeMs = threadCpuMs() - begin;
     const Search byTree = measure(*tree, views);
     printSearch(portable ? "tree_scalar" : "tree", byTree, treeMs, tree->memoryBytes());
     if (byTree.edges != byForest.edges) return false;
@@ -161,16 +155,16 @@ bool benchAnswer(const SilhouetteField& field, const std::vector<SilhouetteView>
   double points = 0.0;
   for (const SilhouetteView& view : views) {
     static_cast<void>(extractor.extract(view));  // working memory
-    double begin = processorMs();
+    double begin = threadCpuMs();
     const ContourLines lines = extractor.extract(view);
-    find += processorMs() - begin;
-    begin = processorMs();
+    find += threadCpuMs() - begin;
+    begin = threadCpuMs();
     const auto coded = encodeContour(lines);
     const auto message = protocol::encodeMessage(protocol::Contour{0, 1, coded});
-    code += processorMs() - begin;
-    begin = processorMs();
+    code += threadCpuMs() - begin;
+    begin = threadCpuMs();
     if (!decodeContour(coded, limits::kMaxContourPoints)) return false;
-    decode += processorMs() - begin;
+    decode += threadCpuMs() - begin;
     bytes += static_cast<double>(message.size());
     points += static_cast<double>(lines.points.size());
   }

@@ -12,6 +12,7 @@
 #include "server/session/session.h"
 #include "server/store/directory_store.h"
 #include "tests/bench/inline_session.h"
+#include "tests/bench/measure.h"
 #include "tests/bench/one_model.h"
 
 #include "protocol/limits.h"
@@ -22,7 +23,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -35,12 +35,6 @@ namespace {
 
 constexpr int kPoses = 240;  // a whole turn at 15 degrees a second and 10 poses a second
 constexpr int kRounds = 5;
-
-double cpuUs() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
-}
 
 struct Cost {
   double us = 0.0;
@@ -76,11 +70,11 @@ std::vector<Cost> circle(SessionShared& shared, const Model& model, double start
     const auto message = protocol::encodeMessage(pose);
     nowMs += 100;
     arrived.clear();
-    const double begin = cpuUs();
+    const double begin = threadCpuMs();
     session.receive(message, nowMs);
     take(nowMs);
     Cost cost;
-    cost.us = cpuUs() - begin;
+    cost.us = 1e3 * (threadCpuMs() - begin);
     splits = 0;
     for (const auto& bytes : arrived) {
       const auto decoded = protocol::decodeMessage(bytes, protocol::Sender::kServer);

@@ -14,6 +14,7 @@
 #include "client/stroke/crease_noise.h"
 #include "client/stroke/resolved_visibility.h"
 #include "client/stroke/visibility.h"
+#include "tests/bench/measure.h"
 #include "tests/corpus/corpus.h"
 
 #include "shared/mesh/feature_edges.h"
@@ -31,8 +32,6 @@
 namespace limn {
 namespace {
 
-constexpr std::array<std::pair<double, double>, 6> kViews = {
-    {{30.0, 20.0}, {150.0, -10.0}, {260.0, 50.0}, {75.0, 0.0}, {200.0, 35.0}, {330.0, -40.0}}};
 constexpr int kSize = 1024;
 constexpr int kFarPx = 2;
 constexpr double kCreaseDegrees = 40.0;  // limn-prepare's
@@ -117,7 +116,7 @@ class Bench {
       const VisibilityResolver& resolver,
       SilhouetteKind kind) {
     Tally tally;
-    for (const auto& [azimuth, elevation] : kViews) {
+    for (const auto& [azimuth, elevation] : kSixViews) {
       const Camera camera = orbitCamera(snapshot.model.sphere, azimuth, elevation);
       if (!runView(snapshot, resolver, kind, camera, tally)) return false;
     }

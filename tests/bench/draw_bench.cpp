@@ -11,6 +11,7 @@
 #include "client/render/renderer.h"
 #include "client/stroke/chain.h"
 #include "client/stroke/resolved_visibility.h"
+#include "tests/bench/measure.h"
 #include "tests/corpus/corpus.h"
 
 #include "shared/mesh/feature_edges.h"
@@ -21,7 +22,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -30,8 +30,6 @@
 namespace limn {
 namespace {
 
-constexpr std::array<std::pair<double, double>, 6> kViews = {
-    {{30.0, 20.0}, {150.0, -10.0}, {260.0, 50.0}, {75.0, 0.0}, {200.0, 35.0}, {330.0, -40.0}}};
 constexpr int kSize = 1024;
 constexpr int kCoverPx = 2;
 constexpr int kFalsePx = 3;
@@ -206,7 +204,7 @@ class Bench {
         snapshot.mesh.positions(),
         findCreases(mesh, snapshot.mesh.positions(), 35.0));
     std::vector<View> views;
-    for (const auto& [azimuth, elevation] : kViews) {
+    for (const auto& [azimuth, elevation] : kSixViews) {
       View view;
       view.camera = orbitCamera(snapshot.model.sphere, azimuth, elevation);
       fitDepthRange(snapshot.model.sphere, view.camera);
@@ -283,9 +281,9 @@ class Bench {
     for (std::size_t v = 0; v < views.size(); ++v) {
       for (int i = 0; i <= frames_; ++i) {
         // Processor time: what neighbours on the machine do is none of it.
-        const std::clock_t start = std::clock();
+        const double start = processCpuMs();
         const auto frame = renderer_.render(snapshot, {}, views[v].camera, options);
-        const double ms = 1000.0 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+        const double ms = processCpuMs() - start;
         if (!frame) {
           std::fprintf(stderr, "limn-draw-bench: %s\n", frame.error().message.c_str());
           return false;

@@ -8,6 +8,7 @@
 #include "server/preprocess/hulls/hulls.h"
 #include "server/preprocess/import/import.h"
 #include "server/preprocess/repair/repair.h"
+#include "tests/bench/measure.h"
 #include "tests/property/server/preprocess/hulls/self_crossing.h"
 #include "tests/property/winding_number.h"
 
@@ -16,7 +17,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 
 namespace limn {
@@ -68,9 +68,9 @@ int run(int argc, char** argv) {
     std::fprintf(stderr, "limn-hull-bench: %s\n", repaired.error().message.c_str());
     return 1;
   }
-  const std::clock_t start = std::clock();
+  const double start = processCpuMs();
   const Hulls hulls = buildHulls(repaired->mesh, {}, 1);
-  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  const double seconds = 1e-3 * (processCpuMs() - start);
   if (!hulls.outer) {
     std::printf("{\"reason\": \"%s\"}\n", hulls.reason.c_str());
     return 0;

@@ -6,6 +6,7 @@
 #include "server/session/contour_search.h"
 #include "server/session/session.h"
 #include "server/store/asset_store.h"
+#include "tests/bench/measure.h"
 #include "tests/bench/one_model.h"
 
 #include "shared/core/camera.h"
@@ -18,7 +19,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <deque>
 #include <functional>
 #include <numbers>
@@ -30,10 +30,6 @@ namespace limn {
 namespace {
 
 using protocol::Goal;
-
-double cpuMs() {
-  return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 /// Runs work where it is asked for, on this thread, and times it.
 class TimedTasks final : public TaskRunner {
@@ -47,9 +43,9 @@ class TimedTasks final : public TaskRunner {
   bool runAll() {
     if (queue_.empty()) return false;
     for (; !queue_.empty(); queue_.pop_front()) {
-      const double begin = cpuMs();
+      const double begin = processCpuMs();
       queue_.front().first();
-      longestMs_ = std::max(longestMs_, cpuMs() - begin);
+      longestMs_ = std::max(longestMs_, processCpuMs() - begin);
       queue_.front().second();
     }
     return true;

@@ -4,6 +4,7 @@
 //   limn-silhouette-bench [--quick | NAME]   NAME: only meshes whose name starts so
 #include "client/stroke/chain.h"
 #include "server/preprocess/forest/build_forest.h"
+#include "tests/bench/measure.h"
 #include "tests/corpus/corpus.h"
 #include "tests/corpus/torus_knots.h"
 #include "tests/property/shared/silhouette/views.h"
@@ -15,7 +16,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <memory>
 #include <string>
@@ -24,13 +24,6 @@
 
 namespace limn {
 namespace {
-
-// Processor time of this thread: what else runs on the machine counts less.
-double nowMs() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 using Views = std::vector<SilhouetteView>;
 using Work = std::function<void(const SilhouetteView&)>;
@@ -43,9 +36,9 @@ std::vector<double> medianMs(const Views& views, int rounds, const std::vector<W
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t w = 0; w < works.size(); ++w) {
       for (std::size_t v = 0; v < views.size(); ++v) {
-        const double start = nowMs();
+        const double start = threadCpuMs();
         works[w](views[v]);
-        best[w][v] = std::min(best[w][v], nowMs() - start);
+        best[w][v] = std::min(best[w][v], threadCpuMs() - start);
       }
     }
   }
@@ -155,11 +148,11 @@ void benchKind(
   const bool isEdges = kind == SilhouetteKind::kEdges;
   const std::string kindName = isEdges ? "edges" : "smooth";
   const SilhouetteField field(mesh, shape.positions, kind);
-  const double start = nowMs();
+  const double start = threadCpuMs();
   DetectorOptions options;
   // One for both: where its pages happen to lie makes a difference of some percent.
   options.cones = std::make_shared<ConeForest>(field);
-  const double buildMs = nowMs() - start;
+  const double buildMs = threadCpuMs() - start;
   const auto cones = makeDetector(DetectorMethod::kCones, field, options);
   const auto exact = makeDetector(DetectorMethod::kExact, field, options);
   const auto brute = makeDetector(DetectorMethod::kBrute, field);
@@ -280,12 +273,12 @@ void benchRefit(const std::string& name, const TriangleMesh& shape, int viewCoun
     std::shared_ptr<ConeForest> fresh;
     for (int round = 0; round < 5; ++round) {
       refitted = std::make_shared<ConeForest>(old);
-      double start = nowMs();
+      double start = threadCpuMs();
       refitted->refit(half->mesh(), half->positions(), after);
-      refitMs = std::min(refitMs, nowMs() - start);
-      start = nowMs();
+      refitMs = std::min(refitMs, threadCpuMs() - start);
+      start = threadCpuMs();
       fresh = std::make_shared<ConeForest>(after);
-      buildMs = std::min(buildMs, nowMs() - start);
+      buildMs = std::min(buildMs, threadCpuMs() - start);
     }
     DetectorOptions options;
     options.cones = refitted;

@@ -6,6 +6,7 @@
 #include "server/preprocess/import/import.h"
 #include "server/preprocess/repair/repair.h"
 #include "tests/bench/contour_error.h"
+#include "tests/bench/measure.h"
 #include "tests/bench/mesh_error.h"
 #include "tests/bench/reference_simplifiers.h"
 
@@ -23,7 +24,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <functional>
 #include <numeric>
 #include <string>
@@ -47,12 +47,6 @@ struct Options {
   std::string placement;                     // only this one; empty: both
   std::vector<double> shares = {0.1, 0.03};  // of the faces
 };
-
-double cpuSeconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 PlainMesh plain(const TriangleMesh& mesh) {
   PlainMesh result;
@@ -240,15 +234,15 @@ class Bench {
   }
 
   std::vector<std::size_t> measureOurs(const std::string& name, const ForestOptions& options) {
-    const double start = cpuSeconds();
+    const double start = processCpuMs();
     const auto built = buildForest(full_, options);
-    const double build = cpuSeconds() - start;
+    const double build = 1e-3 * (processCpuMs() - start);
     if (!built) {
       std::fprintf(stderr, "%s: %s\n", options_.file.c_str(), built.error().message.c_str());
       std::exit(1);
     }
     const WireSections wire = encodeWireSections(*built, {}, {});
-    const double encode = cpuSeconds() - start - build;
+    const double encode = 1e-3 * (processCpuMs() - start) - build;
     const SplitForest& forest = built->forest;
     const auto bytes = std::accumulate(wire.levelBytes.begin(), wire.levelBytes.end(), 0ULL);
 
@@ -373,9 +367,9 @@ class Bench {
         {"cgal-garland-heckbert", simplifyGarlandHeckbert},
         {"meshopt-simplify", simplifyMeshopt}};
     for (const auto& [name, simplify] : references) {
-      const double start = cpuSeconds();
+      const double start = processCpuMs();
       const PlainMesh mesh = simplify(fullPlain_, faces);
-      const double seconds = cpuSeconds() - start;
+      const double seconds = 1e-3 * (processCpuMs() - start);
       Json json = row("errors", name);
       json["faces"] = mesh.triangles.size();
       json["faces_per_second"] = static_cast<double>(full_.triangles.size()) / seconds;

@@ -5,6 +5,7 @@
 //   limn-stroke-bench [--quick] [MODEL-FILE...]   (more models to measure slides of)
 #include "client/stroke/chain.h"
 #include "client/stroke/stroke_builder.h"
+#include "tests/bench/measure.h"
 #include "tests/corpus/corpus.h"
 #include "tests/texture_slide.h"
 
@@ -14,19 +15,15 @@
 #include <array>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace limn {
 namespace {
 
-double nowMs() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
+constexpr Viewport kViewport{1024, 1024};
 constexpr std::array kStages = {"detect", "chain", "strokes", "all"};
 
 struct Target {
@@ -37,24 +34,56 @@ struct Target {
 constexpr std::array<Target, 3> kTargets = {
     {{"bunny-closed.ply", 2.0}, {"turbine-blade.ply", 4.0}, {"dragon.ply", 25.0}}};
 
-double median(std::vector<double> values) {
-  std::nth_element(
-      values.begin(),
-      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-      values.end());
-  return values[values.size() / 2];
-}
+/// A model, its silhouettes and their lines: what both measures below look at.
+class Subject {
+ public:
+  /// Null where the model is no manifold.
+  static std::unique_ptr<Subject> of(const corpus::Mesh& model) {
+    const TriangleMesh& shape = model.mesh;
+    auto mesh =
+        HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
+    if (!mesh) return nullptr;
+    return std::unique_ptr<Subject>(new Subject(shape, *std::move(mesh)));
+  }
+
+  [[nodiscard]] Camera orbit(double azimuthDegrees) const {
+    return orbitCamera(sphere_, azimuthDegrees, 20.0);
+  }
+
+  [[nodiscard]] LineScene scene(const Camera& camera) const {
+    return {mesh_, shape_.positions, shape_.grid, camera, kViewport};
+  }
+
+  [[nodiscard]] SilhouetteView view(const Camera& camera) const {
+    return {shape_.grid.fromModel(camera.eye), camera.forward(), false};
+  }
+
+  const SilhouetteResult& detect(const SilhouetteView& view) { return detector_->detect(view); }
+
+  const PolylineSet& chain(const SilhouetteView& view, const SilhouetteResult& found) {
+    return chainer_.chain(field_, view, found);
+  }
+
+ private:
+  Subject(const TriangleMesh& shape, HalfEdgeMesh mesh)
+      : shape_(shape),
+        mesh_(std::move(mesh)),
+        field_(mesh_, shape.positions, SilhouetteKind::kSmooth),
+        detector_(makeDetector(DetectorMethod::kCones, field_)),
+        sphere_(boundingSphere(shape.grid, shape.positions)) {}
+
+  const TriangleMesh& shape_;
+  HalfEdgeMesh mesh_;
+  SilhouetteField field_;
+  std::unique_ptr<SilhouetteDetector> detector_;
+  SilhouetteChainer chainer_;
+  BoundingSphere sphere_;
+};
 
 void benchMesh(const corpus::Mesh& model, double targetMs, int frames) {
-  const TriangleMesh& shape = model.mesh;
-  const auto mesh =
-      HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
-  if (!mesh) return;
-  const SilhouetteField field(*mesh, shape.positions, SilhouetteKind::kSmooth);
-  const auto detector = makeDetector(DetectorMethod::kCones, field);
-  SilhouetteChainer chainer;
+  const auto subject = Subject::of(model);
+  if (!subject) return;
   StrokeBuilder builder;
-  const BoundingSphere sphere = boundingSphere(shape.grid, shape.positions);
   std::array<std::vector<double>, kStages.size()> times;
   std::size_t segments = 0;
   std::size_t vertices = 0;
@@ -67,16 +96,16 @@ void benchMesh(const corpus::Mesh& model, double targetMs, int frames) {
   style.fadeBelowPx = 10.0F;
   style.fadeHiddenBelowPx = 18.0F;
   for (int i = -2; i < frames; ++i) {  // two to warm up
-    const Camera camera = orbitCamera(sphere, 30.0 + 360.0 * i / frames, 20.0);
-    const LineScene scene{*mesh, shape.positions, shape.grid, camera, {1024, 1024}};
-    const SilhouetteView view{shape.grid.fromModel(camera.eye), camera.forward(), false};
+    const Camera camera = subject->orbit(30.0 + 360.0 * i / frames);
+    const LineScene scene = subject->scene(camera);
+    const SilhouetteView view = subject->view(camera);
     std::array<double, kStages.size()> at{};
     std::size_t stage = 0;
-    const auto mark = [&] { at[stage++] = nowMs(); };
+    const auto mark = [&] { at[stage++] = threadCpuMs(); };
     mark();
-    const SilhouetteResult& found = detector->detect(view);
+    const SilhouetteResult& found = subject->detect(view);
     mark();
-    const PolylineSet& lines = chainer.chain(field, view, found);
+    const PolylineSet& lines = subject->chain(view, found);
     mark();
     const BuiltStrokes strokes = builder.build(lines, scene, style, {.widthPx = style.widthPx});
     mark();
@@ -105,25 +134,18 @@ void benchMesh(const corpus::Mesh& model, double targetMs, int frames) {
 /// Slides over forty frames, coherent and, as the control, each frame for itself.
 void measureSlides(const corpus::Mesh& model) {
   constexpr int kFrames = 40;
-  constexpr Viewport kViewport{1024, 1024};
-  const TriangleMesh& shape = model.mesh;
-  const auto mesh =
-      HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
-  if (!mesh) return;
-  const SilhouetteField field(*mesh, shape.positions, SilhouetteKind::kSmooth);
-  const auto detector = makeDetector(DetectorMethod::kCones, field);
-  SilhouetteChainer chainer;
+  const auto subject = Subject::of(model);
+  if (!subject) return;
   const StrokeStyle style;
   const float period = texturePeriod(style, style.widthPx);
-  const BoundingSphere sphere = boundingSphere(shape.grid, shape.positions);
   std::array<StrokeBuilder, 2> builders;
   std::array<StrokeFrame, 2> last;
   std::array<std::vector<double>, 2> slides;
   for (int i = 0; i <= kFrames; ++i) {
-    const Camera camera = orbitCamera(sphere, 30.0 + i, 20.0);
-    const LineScene scene{*mesh, shape.positions, shape.grid, camera, kViewport};
-    const SilhouetteView view{shape.grid.fromModel(camera.eye), camera.forward(), false};
-    const PolylineSet& lines = chainer.chain(field, view, detector->detect(view));
+    const Camera camera = subject->orbit(30.0 + i);
+    const LineScene scene = subject->scene(camera);
+    const SilhouetteView view = subject->view(camera);
+    const PolylineSet& lines = subject->chain(view, subject->detect(view));
     for (std::size_t k = 0; k < 2; ++k) {
       if (k == 1) builders[k] = StrokeBuilder();
       const BuiltStrokes built = builders[k].build(lines, scene, style, {.widthPx = style.widthPx});

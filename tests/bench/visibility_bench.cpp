@@ -4,6 +4,7 @@
 //   limn-visibility-bench MODEL-FILE...   (names of models as tests/corpus knows them)
 #include "client/stroke/chain.h"
 #include "client/stroke/resolved_visibility.h"
+#include "tests/bench/measure.h"
 #include "tests/bench/visibility_truth.h"
 #include "tests/corpus/corpus.h"
 
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <ctime>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,18 +21,6 @@
 namespace limn {
 namespace {
 
-/// Processor time: one thread, whatever else the machine does.
-double millisecondsSince(std::clock_t start) {
-  return 1000.0 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-}
-
-double medianOf(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-constexpr std::array<std::pair<double, double>, 6> kViews = {
-    {{30.0, 20.0}, {150.0, -10.0}, {260.0, 50.0}, {75.0, 0.0}, {200.0, 35.0}, {330.0, -40.0}}};
 constexpr int kRounds = 3;
 
 bool benchMesh(const std::string& file) {
@@ -45,9 +33,9 @@ bool benchMesh(const std::string& file) {
   auto mesh =
       HalfEdgeMesh::build(static_cast<std::uint32_t>(shape.positions.size()), shape.triangles);
   if (!mesh) return false;
-  const auto start = std::clock();
+  const auto start = processCpuMs();
   const VisibilityResolver resolver(*mesh, shape.positions);
-  const double buildMs = millisecondsSince(start);
+  const double buildMs = processCpuMs() - start;
   const auto truth = VisibilityTruth::create(*mesh, shape.positions);
 
   const SilhouetteField field(*mesh, shape.positions, SilhouetteKind::kEdges);
@@ -63,16 +51,16 @@ bool benchMesh(const std::string& file) {
   std::size_t edges = 0;
   std::size_t falseVisible = 0;
   std::size_t falseHidden = 0;
-  for (const auto& [azimuth, elevation] : kViews) {
+  for (const auto& [azimuth, elevation] : kSixViews) {
     const Camera camera = orbitCamera(sphere, azimuth, elevation);
     const SilhouetteView view{shape.grid.fromModel(camera.eye), camera.forward(), false};
     const LineScene scene{*mesh, shape.positions, shape.grid, camera, Viewport{1024, 1024}};
     const auto timeOf = [&](const PolylineSet& lines) {
       double best = 1e30;
       for (int round = 0; round < kRounds; ++round) {
-        const auto begin = std::clock();
+        const auto begin = processCpuMs();
         static_cast<void>(resolver.resolve(lines, scene));
-        best = std::min(best, millisecondsSince(begin));
+        best = std::min(best, processCpuMs() - begin);
       }
       return best;
     };
@@ -83,7 +71,7 @@ bool benchMesh(const std::string& file) {
     rays += resolved.rays;
     const auto visible = segmentVisibility(lines, resolved, scene);
     if (!truth) continue;
-    const auto begin = std::clock();
+    const auto begin = processCpuMs();
     for (const PolylineSet::Line& line : lines.lines) {
       for (std::uint32_t k = 0; k < line.segmentCount(); ++k) {
         const HalfEdgeId h = lines.halfEdges[line.begin + k];
@@ -95,15 +83,15 @@ bool benchMesh(const std::string& file) {
         falseHidden += expected && !found ? 1 : 0;
       }
     }
-    truthMs += millisecondsSince(begin) / static_cast<double>(kViews.size());
+    truthMs += (processCpuMs() - begin) / static_cast<double>(kSixViews.size());
   }
   std::printf(
       "{\"mesh\":\"%s\",\"faces\":%u,\"build_ms\":%.3f,\"edges_ms\":%.3f,\"smooth_ms\":%.3f",
       file.c_str(),
       mesh->faceCount(),
       buildMs,
-      medianOf(times),
-      medianOf(smoothTimes));
+      median(times),
+      median(smoothTimes));
   if (truth && edges > 0) {
     const auto percent = [&](std::size_t n) {
       return 100.0 * static_cast<double>(n) / static_cast<double>(edges);

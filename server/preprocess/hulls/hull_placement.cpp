@@ -32,12 +32,12 @@ std::int64_t largest(const glm::i64vec3& v) {
 }
 
 /// normal · (p − point), exact.
-hull::Int128 height(const glm::i64vec3& normal, const glm::ivec3& point, const glm::ivec3& p) {
+Int128 height(const glm::i64vec3& normal, const glm::ivec3& point, const glm::ivec3& p) {
   const glm::i64vec3 d = glm::i64vec3(p) - glm::i64vec3(point);
   // The common case without wide multiplications.
   if (largest(d) < kSmall && largest(normal) < 2 * kSmall * kSmall)
     return normal.x * d.x + normal.y * d.y + normal.z * d.z;
-  return hull::dot(normal, d);
+  return dotExact(normal, d);
 }
 
 }  // namespace
@@ -91,9 +91,9 @@ std::optional<glm::dvec3> HullPlacement::solve(double margin) {
 }
 
 void HullPlacement::addCandidate(const glm::ivec3& p) {
-  hull::Int128 sum = 0;
+  Int128 sum = 0;
   for (const Face& face : faces_) {
-    const hull::Int128 volume = height(face.normal, face.point, p);
+    const Int128 volume = height(face.normal, face.point, p);
     if (volume < 0) return;
     sum += volume;
   }

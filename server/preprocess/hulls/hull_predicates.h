@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/core/integer_vectors.h"
+
 #include <glm/glm.hpp>
 
 #include <cstdint>
@@ -9,27 +11,17 @@
 /// (kMaxHullCoordinate), so a difference has 23, a cross product 47, a triple product 72.
 namespace limn::hull {
 
-__extension__ using Int128 = __int128;
-
-[[nodiscard]] inline glm::i64vec3 cross(const glm::i64vec3& a, const glm::i64vec3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-[[nodiscard]] inline Int128 dot(const glm::i64vec3& a, const glm::i64vec3& b) {
-  return Int128{a.x} * b.x + Int128{a.y} * b.y + Int128{a.z} * b.z;
-}
-
 /// Twice the area of a triangle times its unit normal.
 [[nodiscard]] inline glm::i64vec3
 areaNormal(const glm::ivec3& a, const glm::ivec3& b, const glm::ivec3& c) {
-  return cross(glm::i64vec3(b) - glm::i64vec3(a), glm::i64vec3(c) - glm::i64vec3(a));
+  return crossExact(glm::i64vec3(b) - glm::i64vec3(a), glm::i64vec3(c) - glm::i64vec3(a));
 }
 
 /// Six times the volume of the tetrahedron (a, b, c, p): positive where p is on the side that the
 /// triangle's normal points to, 0 on its plane.
 [[nodiscard]] inline Int128
 volume6(const glm::ivec3& a, const glm::ivec3& b, const glm::ivec3& c, const glm::ivec3& p) {
-  return dot(areaNormal(a, b, c), glm::i64vec3(p) - glm::i64vec3(a));
+  return dotExact(areaNormal(a, b, c), glm::i64vec3(p) - glm::i64vec3(a));
 }
 
 [[nodiscard]] inline int sign(Int128 value) {

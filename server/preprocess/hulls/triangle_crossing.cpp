@@ -17,7 +17,7 @@ struct Plane {
   glm::ivec3 point{0};
 
   [[nodiscard]] int side(const glm::ivec3& p) const {
-    return sign(dot(normal, glm::i64vec3(p) - glm::i64vec3(point)));
+    return sign(dotExact(normal, glm::i64vec3(p) - glm::i64vec3(point)));
   }
 
   [[nodiscard]] bool isDegenerate() const { return normal == glm::i64vec3(0); }

@@ -2,8 +2,9 @@
 // Based on: A. Jacobson, L. Kavan, O. Sorkine-Hornung, "Robust Inside-Outside Segmentation using
 // Generalized Winding Numbers", 2013 (the test of containment); A. Van Oosterom, J. Strackee, "The
 // Solid Angle of a Plane Triangle", 1983.
-#include "server/preprocess/repair/integer_vectors.h"
 #include "server/preprocess/repair/repair_steps.h"
+
+#include "shared/core/integer_vectors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +15,6 @@
 namespace limn::repair {
 
 namespace {
-
-__extension__ using Int128 = __int128;
 
 /// Solid angles to evaluate at most, about a second of them. Past that, a component counts as
 /// standing alone.
@@ -51,7 +50,7 @@ std::vector<Component> findComponents(const Manifold& mesh) {
       const glm::i64vec3 a(mesh.positions[t.x]);
       const glm::i64vec3 b(mesh.positions[t.y]);
       const glm::i64vec3 c(mesh.positions[t.z]);
-      component.volume6 += dotExact(a, crossExact(b, c));  // 18 bits a coordinate: below 2^57
+      component.volume6 += dotExact(a, crossExact(b, c));
       component.authored = component.authored && mesh.flipped[face] == 0;
       for (int k = 0; k < 3; ++k) {
         component.low = glm::min(component.low, mesh.positions[t[k]]);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // GPL because of CGAL's triangulations. Constrained Delaunay with faces marked by nesting, as in
 // CGAL's manual, "2D Triangulations", example polygon_triangulation; our checks around it.
-#include "server/preprocess/repair/integer_vectors.h"
 #include "server/preprocess/repair/repair_steps.h"
+
+#include "shared/core/integer_vectors.h"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

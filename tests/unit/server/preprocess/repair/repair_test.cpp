@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/preprocess/repair/repair.h"
 
-#include "server/preprocess/repair/integer_vectors.h"
 #include "server/preprocess/repair/repair_steps.h"
 #include "tests/unit/server/preprocess/import/mesh_files.h"
 
+#include "shared/core/integer_vectors.h"
 #include "shared/core/rng.h"
 #include "shared/mesh/half_edge.h"
 #include "shared/mesh/primitives.h"
@@ -362,7 +362,7 @@ TEST(Triangulate, ConcavePolygonsAreFilledExactlyOnce) {
     repair::triangulatePolygon(positions, corners, triangles);
     ASSERT_EQ(triangles.size(), n - 2);
     const auto area2 = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      return repair::crossExact(
+      return crossExact(
                  glm::i64vec3(positions[b] - positions[a]),
                  glm::i64vec3(positions[c] - positions[a]))
           .z;
@@ -395,7 +395,7 @@ TEST(Triangulate, BridgedHolesAreEarClipped) {
   repair::triangulatePolygon(positions, corners, triangles);
   std::int64_t area2 = 0;
   for (const glm::uvec3& t : triangles) {
-    const std::int64_t part = repair::crossExact(
+    const std::int64_t part = crossExact(
                                   glm::i64vec3(positions[t.y] - positions[t.x]),
                                   glm::i64vec3(positions[t.z] - positions[t.x]))
                                   .z;
