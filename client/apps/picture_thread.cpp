@@ -186,19 +186,12 @@ std::string PictureThread::gl() const {
   return gl_;
 }
 
-bool PictureThread::isIdle() const {
-  const std::lock_guard lock(mutex_);
-  return !working_ && !order_ && files_.empty();
-}
-
 void PictureThread::work() {
   Artist artist(backend_, assets_);
   std::unique_lock lock(mutex_);
   while (true) {
-    working_ = false;
     wake_.wait(lock, [this] { return stopping_ || order_ || !files_.empty(); });
     if (stopping_ && files_.empty()) return;
-    working_ = true;
     if (!files_.empty()) {
       const File file = std::move(files_.front());
       files_.pop_front();

@@ -64,8 +64,6 @@ class PictureThread {
 
   /// GL_RENDERER; empty before the first picture.
   [[nodiscard]] std::string gl() const;
-  /// No order is open.
-  [[nodiscard]] bool isIdle() const;
 
  private:
   class Artist;
@@ -88,7 +86,6 @@ class PictureThread {
   std::optional<Picture> picture_;
   std::optional<std::string> message_;
   std::string gl_;
-  bool working_ = false;
   bool stopping_ = false;
 
   std::thread thread_;  // last: it uses everything above

@@ -3,6 +3,8 @@
 
 #include "server/transport/metrics.h"
 
+#include "protocol/handshake.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -108,16 +110,7 @@ std::optional<HttpReply> refuseUpgrade(const UpgradeRequest& request) {
       !std::ranges::all_of(request.key.substr(0, 22), isDigit)) {
     return refusalReply(Refusal::kRequest, "send a Sec-WebSocket-Key of 16 bytes in base64");
   }
-  for (std::string_view rest = request.protocols; !rest.empty();) {
-    const std::size_t comma = std::min(rest.find(','), rest.size());
-    std::string_view name = rest.substr(0, comma);
-    rest.remove_prefix(std::min(comma + 1, rest.size()));
-    while (name.starts_with(' '))
-      name.remove_prefix(1);
-    while (name.ends_with(' '))
-      name.remove_suffix(1);
-    if (name == limits::kSubprotocol) return std::nullopt;
-  }
+  if (protocol::offersSubprotocol(request.protocols)) return std::nullopt;
   return refusalReply(
       Refusal::kRequest,
       std::string("send Sec-WebSocket-Protocol: ") + limits::kSubprotocol);

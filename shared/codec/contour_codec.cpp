@@ -18,7 +18,6 @@ using hull_syntax::codeNumber;
 using hull_syntax::codeSigned;
 using hull_syntax::kNumberContexts;
 
-constexpr int kMaxExtraBits = 4;
 constexpr int kMaxCoordinate = 1 << 23;
 /// How much of the last difference the next one is expected to be, in quarters.
 constexpr std::uint32_t kMaxWeight = 4;
@@ -116,7 +115,7 @@ Result<ContourLines> decodeContour(std::span<const std::uint8_t> bytes, std::uin
   VarintReader header(bytes);
   const auto extraBits = header.read();
   const auto points = header.read();
-  if (!extraBits || *extraBits > kMaxExtraBits || !points) return damaged("its header");
+  if (!extraBits || *extraBits > kMaxContourExtraBits || !points) return damaged("its header");
   if (*points > maxPoints) {
     return fail(ErrorCode::kLimitExceeded, "a contour has more points than is allowed");
   }

@@ -11,6 +11,8 @@
 
 namespace limn {
 
+inline constexpr int kMaxContourExtraBits = 4;
+
 /// Chained silhouettes, flat, on a grid: the model's, made finer by 2^extraBits, same origin.
 struct ContourLines {
   struct Line {
@@ -21,7 +23,7 @@ struct ContourLines {
     friend bool operator==(const Line&, const Line&) = default;
   };
 
-  int extraBits = 0;
+  int extraBits = 0;               // up to kMaxContourExtraBits
   std::vector<glm::ivec3> points;  // line by line, without gaps
   std::vector<Line> lines;
 

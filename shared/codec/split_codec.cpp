@@ -19,8 +19,6 @@ using split_syntax::kMaxRing;
 using split_syntax::NameState;
 using split_syntax::Neighbourhood;
 
-constexpr std::uint32_t kMaxRunSplits = 1U << 20;
-
 }  // namespace
 
 std::vector<std::uint8_t>

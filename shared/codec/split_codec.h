@@ -18,6 +18,9 @@
 
 namespace limn {
 
+/// Of one run, at most.
+inline constexpr std::uint32_t kMaxRunSplits = 1U << 20;
+
 /// Codes splits for a client that holds (or gets in this run, before them) their prerequisites.
 /// ids: sorted, unique, none of the base. Pure; depends on nothing but its arguments, so equal
 /// selections give equal bytes. Cost: about 1 µs a split; PacketEncoder is faster. Threads:

@@ -9,14 +9,6 @@
 /// the left of every walk.
 namespace limn {
 
-/// Whether half-edge h is a silhouette with its own face in front.
-[[nodiscard]] inline bool
-isSilhouetteEdge(const SilhouetteField& field, const glm::vec4& eye, HalfEdgeId h) {
-  const HalfEdgeId twin = field.mesh().twins[h];
-  return twin != kNone && field.isFront(HalfEdgeMesh::face(h), eye) &&
-         !field.isFront(HalfEdgeMesh::face(twin), eye);
-}
-
 /// The silhouette half-edge that goes on from silhouette half-edge h: the next one clockwise round
 /// its target through faces that are front. One to one, so walks never merge. kNone: the front
 /// sector ends at a border. Cost: O(valence).

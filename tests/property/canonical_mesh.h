@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,20 @@ struct CanonicalMesh {
   friend bool operator==(const CanonicalMesh&, const CanonicalMesh&) = default;
 };
 
+/// Faces as sorted rotations of their permanent ids: equal meshes have equal lists.
+inline std::vector<std::array<VertexId, 3>> canonicalFaces(
+    std::span<const glm::uvec3> triangles,
+    std::span<const VertexId> ids) {
+  std::vector<std::array<VertexId, 3>> faces;
+  for (const glm::uvec3& t : triangles) {
+    std::array<VertexId, 3> face{ids[t.x], ids[t.y], ids[t.z]};
+    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    faces.push_back(face);
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
 inline CanonicalMesh canonicalOf(const ActiveMesh& active) {
   CanonicalMesh canonical;
   const auto ids = active.ids();
@@ -37,12 +52,7 @@ inline CanonicalMesh canonicalOf(const ActiveMesh& active) {
     EXPECT_EQ(active.slotOf(ids[s]), s);
   }
   const HalfEdgeMesh& mesh = active.mesh();
-  for (const glm::uvec3& t : mesh.triangles()) {
-    std::array<VertexId, 3> face{ids[t.x], ids[t.y], ids[t.z]};
-    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
-    canonical.faces.push_back(face);
-  }
-  std::sort(canonical.faces.begin(), canonical.faces.end());
+  canonical.faces = canonicalFaces(mesh.triangles(), ids);
   for (HalfEdgeId h = 0; h < mesh.origins.size(); ++h)
     canonical.features[{ids[mesh.origin(h)], ids[mesh.target(h)]}] = active.features()[h];
   return canonical;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/preprocess/forest/build_forest.h"
+#include "tests/property/canonical_mesh.h"
+#include "tests/property/forest_shapes.h"
 #include "tests/property/legal_order.h"
 
 #include "shared/mesh/feature_edges.h"
@@ -17,41 +19,11 @@
 namespace limn {
 namespace {
 
-struct Shape {
-  const char* name;
-  TriangleMesh mesh;
-};
-
-std::vector<Shape> shapes() {
-  return {
-      {"tetrahedron", primitives::tetrahedron()},
-      {"cube", primitives::cube()},
-      {"icosphere", primitives::icosphere(4)},
-      {"torus", primitives::torus(60, 24)},
-      {"knot", primitives::torusKnot(2, 3, 240, 12)},
-      {"grid", primitives::openGrid(40, 30)},
-      {"bumpy", primitives::bumpySphere(4, 3)}};
-}
-
 ForestOptions smallBase(Placement placement = Placement::kSubset) {
   ForestOptions options;
   options.baseFaces = 60;
   options.placement = placement;
   return options;
-}
-
-// Faces as sorted rotations of their permanent ids: equal meshes have equal lists.
-std::vector<std::array<VertexId, 3>> canonicalFaces(
-    std::span<const glm::uvec3> triangles,
-    std::span<const VertexId> ids) {
-  std::vector<std::array<VertexId, 3>> faces;
-  for (const glm::uvec3& t : triangles) {
-    std::array<VertexId, 3> face{ids[t.x], ids[t.y], ids[t.z]};
-    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
-    faces.push_back(face);
-  }
-  std::sort(faces.begin(), faces.end());
-  return faces;
 }
 
 std::vector<std::array<VertexId, 3>> fullFaces(const SplitForest& forest) {
@@ -61,16 +33,10 @@ std::vector<std::array<VertexId, 3>> fullFaces(const SplitForest& forest) {
   return canonicalFaces(forest.triangles, identity);
 }
 
-ActiveMesh baseOf(const SplitForest& forest) {
-  auto active = ActiveMesh::fromBase(forest.levelBegin, forest.baseMesh(), forest.baseFeatures);
-  EXPECT_TRUE(active) << active.error().message;
-  return active ? std::move(*active) : ActiveMesh();
-}
-
-class Progressive : public testing::TestWithParam<std::tuple<std::size_t, Placement>> {
+class Progressive : public testing::TestWithParam<ForestCase> {
  protected:
   void SetUp() override {
-    shape_ = shapes()[std::get<0>(GetParam())];
+    shape_ = forestShapes()[std::get<0>(GetParam())];
     placement_ = std::get<1>(GetParam());
     SCOPED_TRACE(shape_.name);
     auto built = buildForest(shape_.mesh, smallBase(placement_));
@@ -78,7 +44,7 @@ class Progressive : public testing::TestWithParam<std::tuple<std::size_t, Placem
     built_ = std::move(*built);
   }
 
-  Shape shape_;
+  ForestShape shape_;
   Placement placement_ = Placement::kSubset;
   BuiltForest built_;
 };
@@ -91,7 +57,7 @@ TEST_P(Progressive, AnyLegalOrderEndsInTheFullMesh) {
     const auto order =
         randomLegalOrder(forest, rng, run % 2 == 0 ? OrderKind::kUniform : OrderKind::kDepthFirst);
     ASSERT_EQ(order.size(), forest.splitCount());
-    ActiveMesh active = baseOf(forest);
+    ActiveMesh active = baseMeshOf(forest);
     std::vector<VertexId> ring;
     for (const VertexId v : order) {
       ASSERT_TRUE(active.canonicalRing(forest.parent(v), forest.levelOf(v), ring));
@@ -119,7 +85,7 @@ TEST_P(Progressive, EveryClosedSubsetIsAManifold) {
   const SplitForest& forest = built_.forest;
   Rng rng(99);
   const auto order = randomLegalOrder(forest, rng, OrderKind::kDepthFirst);
-  ActiveMesh active = baseOf(forest);
+  ActiveMesh active = baseMeshOf(forest);
   const std::size_t step = std::max<std::size_t>(1, order.size() / 12);
   for (std::size_t i = 0; i < order.size(); ++i) {
     ASSERT_TRUE(active.apply(forest.split(order[i])));
@@ -137,7 +103,7 @@ TEST_P(Progressive, AFullFaceIsPresentOnceItsFinestCornerIsAndItsCornersRest) {
   const SplitForest& forest = built_.forest;
   Rng rng(5);
   const auto order = randomLegalOrder(forest, rng, OrderKind::kDepthFirst);
-  ActiveMesh active = baseOf(forest);
+  ActiveMesh active = baseMeshOf(forest);
   for (std::size_t i = 0; i < order.size() / 2; ++i)
     ASSERT_TRUE(active.apply(forest.split(order[i])));
   const auto present = canonicalFaces(active.mesh().triangles(), active.ids());
@@ -163,7 +129,7 @@ TEST_P(Progressive, CreasesOfTheFullMeshComeBackInAnyOrder) {
   ASSERT_TRUE(full);
   const auto creases = findCreases(*full, forest.positions, smallBase().creaseAngleDegrees);
   Rng rng(11);
-  ActiveMesh active = baseOf(forest);
+  ActiveMesh active = baseMeshOf(forest);
   for (const VertexId v : randomLegalOrder(forest, rng, OrderKind::kUniform)) {
     ASSERT_TRUE(active.apply(forest.split(v)));
   }
@@ -217,18 +183,7 @@ TEST_P(Progressive, TheForestSurvivesSerialisationAndNoTruncationPasses) {
   }
 }
 
-std::string nameOf(const testing::TestParamInfo<Progressive::ParamType>& info) {
-  const bool moves = std::get<1>(info.param) == Placement::kVolume;
-  return shapes()[std::get<0>(info.param)].name + std::string(moves ? "Volume" : "");
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Shapes,
-    Progressive,
-    testing::Combine(
-        testing::Range<std::size_t>(0, 7),
-        testing::Values(Placement::kSubset, Placement::kVolume)),
-    nameOf);
+INSTANTIATE_TEST_SUITE_P(Shapes, Progressive, forestCases(0), nameOfForestCase);
 
 // The levels of a volume forest, as a client sees them, keep the volume; those of the other shrink
 // or grow.
@@ -247,7 +202,7 @@ TEST(VolumePlacement, KeepsTheVolumeOfClosedMeshes) {
       const auto built = buildForest(mesh, smallBase(placement));
       ASSERT_TRUE(built);
       EXPECT_EQ(built->forest.placement(), placement);
-      ActiveMesh active = baseOf(built->forest);
+      ActiveMesh active = baseMeshOf(built->forest);
       const double base = volumeOf(active);
       for (VertexId v = built->forest.baseVertexCount(); v < built->forest.vertexCount(); ++v)
         ASSERT_TRUE(active.apply(built->forest.split(v)));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/codec/split_codec.h"
-#include "shared/codec/split_training.h"
 
 #include "server/preprocess/forest/build_forest.h"
 #include "tests/property/legal_order.h"
 
 #include "shared/codec/packet_encoder.h"
+#include "shared/codec/split_training.h"
 #include "shared/mesh/primitives.h"
 
 #include <gtest/gtest.h>
@@ -288,6 +288,11 @@ TEST(SplitCodec, LevelRunsDecodeBesideFinerSplits) {
   const VertexId middle = (forest.levelBegin[level] + forest.levelBegin[level + 1]) / 2;
   const auto first = encodeLevelRun(forest, model, fronts, forest.levelBegin[level], middle);
   const auto second = encodeLevelRun(forest, model, fronts, middle, forest.levelBegin[level + 1]);
+  const auto head = levelRunHead(second);
+  ASSERT_TRUE(head);
+  EXPECT_EQ(head->begin, middle);
+  EXPECT_EQ(head->count, forest.levelBegin[level + 1] - middle);
+  EXPECT_FALSE(levelRunHead(encodeSplits(forest, model, {})));
   // Out of order: what comes before it is missing.
   EXPECT_FALSE(decoder.decode(second, active));
   ASSERT_TRUE(decoder.decode(first, active));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/preprocess/forest/build_forest.h"
 #include "tests/property/canonical_mesh.h"
-#include "tests/property/decorated.h"
+#include "tests/property/forest_shapes.h"
 #include "tests/property/legal_order.h"
 
 #include "shared/core/rng.h"
@@ -14,22 +14,6 @@
 
 namespace limn {
 namespace {
-
-struct Shape {
-  const char* name;
-  TriangleMesh mesh;
-};
-
-std::vector<Shape> shapes() {
-  return {
-      {"cube", primitives::cube()},
-      {"icosphere", primitives::icosphere(4)},
-      {"torus", primitives::torus(60, 24)},
-      {"knot", primitives::torusKnot(2, 3, 240, 12)},
-      {"grid", primitives::openGrid(40, 30)},
-      {"bumpy", primitives::bumpySphere(4, 3)},
-      {"painted", decorated(primitives::torusKnot(2, 3, 160, 10), kAllAttributeKinds)}};
-}
 
 /// Which splits may be applied or undone now: the slow way, from the forest's stored rings.
 class Legality {
@@ -75,13 +59,13 @@ bool sameSplit(const VertexSplit& a, const VertexSplit& b) {
          a.seams == b.seams && a.attributes == b.attributes;
 }
 
-class Undo : public testing::TestWithParam<std::tuple<std::size_t, Placement>> {
+class Undo : public testing::TestWithParam<ForestCase> {
  protected:
   void SetUp() override {
     ForestOptions options;
     options.baseFaces = 40;
     options.placement = std::get<1>(GetParam());
-    auto built = buildForest(shapes()[std::get<0>(GetParam())].mesh, options);
+    auto built = buildForest(forestShapes()[std::get<0>(GetParam())].mesh, options);
     ASSERT_TRUE(built) << built.error().message;
     built_ = std::move(*built);
   }
@@ -193,18 +177,8 @@ TEST_P(Undo, WhatIsNotLegalLeavesAManifold) {
   EXPECT_GT(refused, 0U);
 }
 
-std::string nameOf(const testing::TestParamInfo<Undo::ParamType>& info) {
-  const bool moves = std::get<1>(info.param) == Placement::kVolume;
-  return shapes()[std::get<0>(info.param)].name + std::string(moves ? "Volume" : "");
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Shapes,
-    Undo,
-    testing::Combine(
-        testing::Range<std::size_t>(0, 7),
-        testing::Values(Placement::kSubset, Placement::kVolume)),
-    nameOf);
+// A forest without splits has nothing to undo.
+INSTANTIATE_TEST_SUITE_P(Shapes, Undo, forestCases(1), nameOfForestCase);
 
 // A server that announces the largest model there may be, and sends a tetrahedron.
 TEST(ActiveMeshMemory, FollowsWhatIsHeldNotWhatIsAnnounced) {

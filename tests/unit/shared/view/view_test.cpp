@@ -2,7 +2,6 @@
 #include "shared/core/camera.h"
 #include "shared/core/rng.h"
 #include "shared/view/anchored_pyramid.h"
-#include "shared/view/frustum.h"
 #include "shared/view/normal_cone.h"
 
 #include <gtest/gtest.h>
@@ -153,29 +152,6 @@ TEST(AnchoredPyramid, OfOnePlaneKnowsItsSidesAlmostEverywhere) {
     const glm::vec4 below(glm::vec3(beside - 0.001 * n), 0.0F);
     EXPECT_EQ(sideOf(pyramid, below, 1.0F), PlanesSide::kBack);
   }
-}
-
-TEST(Frustum, ContainsWhatProjectsIntoTheClipCube) {
-  Rng rng(3);
-  const BoundingSphere sphere{{1.0, 2.0, 3.0}, 2.0};
-  Camera camera = orbitCamera(sphere, 30.0, 20.0, 2.0);
-  fitDepthRange(sphere, camera);
-  const glm::dmat4 matrix = camera.clipFromWorld(1.5);
-  const Frustum frustum = Frustum::fromMatrix(matrix);
-  int inside = 0;
-  for (int i = 0; i < 2000; ++i) {
-    const glm::dvec3 point = sphere.center + 4.0 * rng.uniform() * randomUnit(rng);
-    const glm::dvec4 clip = matrix * glm::dvec4(point, 1.0);
-    const bool isInside =
-        std::abs(clip.x) <= clip.w && std::abs(clip.y) <= clip.w && std::abs(clip.z) <= clip.w;
-    EXPECT_EQ(frustum.contains(point), isInside);
-    if (isInside) {
-      EXPECT_TRUE(frustum.mayIntersect(point, 0.5));
-    }
-    inside += isInside ? 1 : 0;
-  }
-  EXPECT_GT(inside, 100);
-  EXPECT_FALSE(frustum.mayIntersect(camera.eye - 10.0 * camera.forward(), 1.0));
 }
 
 }  // namespace
