@@ -127,7 +127,7 @@ TEST(Outline, OfModelsHasALineAllAlong) {
   if (!corpus::modelsFolder()) GTEST_SKIP() << corpus::kNoModels;
   auto renderer = makeRenderer(GlBackend::kOsmesa);
   ASSERT_TRUE(renderer);
-  for (const char* name : {"fandisk.off", "gears.stl", "rocker-arm.ply"}) {
+  for (const char* name : {"fandisk.off", "gears.stl", "casting.off", "rocker-arm.ply"}) {
     const corpus::Mesh* model = corpus::model(name);
     if (model != nullptr) checkOutline(*renderer, *model);
   }
