@@ -22,6 +22,7 @@ inline tl::unexpected<Error> bad(std::string_view what) {
   return fail(ErrorCode::kProtocol, "malformed message: " + std::string(what));
 }
 
+/// Over a limit of limits.h.
 inline tl::unexpected<Error> tooLarge(std::string_view what) {
   return fail(
       ErrorCode::kLimitExceeded,
@@ -44,6 +45,7 @@ inline wire::Body typeOf(const Body& body) {
   return static_cast<wire::Body>(body.index() + 1);
 }
 
+/// Absent: empty.
 inline Bytes view(const flatbuffers::Vector<std::uint8_t>* vector) {
   return vector == nullptr ? Bytes{} : Bytes{vector->data(), vector->size()};
 }
@@ -64,6 +66,7 @@ inline bool finite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// nullopt: not 32 bytes.
 inline std::optional<Sha256Digest> digest(Bytes bytes) {
   Sha256Digest result{};
   if (bytes.size() != result.size()) return std::nullopt;

@@ -20,12 +20,14 @@ namespace limn {
 /// Pieces that hold the first `splits` splits.
 [[nodiscard]] std::uint32_t hullPiecesFor(std::size_t splits);
 
+/// A hull as it is sent: what Hull carries, then what each HullSplits does.
 struct EncodedHull {
   std::vector<std::uint8_t> base;                 // Draco
   std::vector<std::vector<std::uint8_t>> pieces;  // splits
 };
 
-/// Errors: those of encodeDraco() and HullRefiner. Cost: about 2 µs a split.
+/// The same hull gives the same bytes. Errors: those of encodeDraco() and HullRefiner. Threads:
+/// reentrant. Cost: about 2 µs a split.
 [[nodiscard]] Result<EncodedHull> encodeHull(const ProgressiveHull& hull);
 
 /// Decodes a hull as it comes. Total over any bytes; after an error the hull is still valid, with

@@ -16,6 +16,7 @@
 /// (codeShape), trainer and meter. Not for others; they call split_codec.h.
 namespace limn::split_syntax {
 
+/// kCorrupt: what a decoder finds wrong.
 inline tl::unexpected<Error> damaged(const char* what) {
   return fail(ErrorCode::kCorrupt, std::string("splits are damaged: ") + what);
 }

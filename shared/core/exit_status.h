@@ -11,6 +11,7 @@ inline constexpr int kExitSuccess = 0;
 inline constexpr int kExitFailed = 1;
 inline constexpr int kExitUsage = 2;
 
+/// The status that a program ends with because of an error.
 [[nodiscard]] inline int exitStatusOf(const Error& error) {
   return error.code == ErrorCode::kInvalidArgument ? kExitUsage : kExitFailed;
 }

@@ -11,6 +11,7 @@
 /// What the surface around an edge does, which decides whether its contour can be seen.
 namespace limn {
 
+/// In grid units.
 [[nodiscard]] inline glm::dvec3
 edgeMiddle(const HalfEdgeMesh& mesh, std::span<const glm::ivec3> positions, HalfEdgeId h) {
   return 0.5 * (glm::dvec3(positions[mesh.origin(h)]) + glm::dvec3(positions[mesh.target(h)]));
