@@ -23,7 +23,6 @@
 #include "client/render/renderer.h"
 #include "client/stroke/resolved_visibility.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>

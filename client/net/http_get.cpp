@@ -9,7 +9,6 @@
 #include <chrono>
 #include <memory>
 #include <optional>
-#include <string_view>
 
 namespace limn {
 namespace {

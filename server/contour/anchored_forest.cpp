@@ -7,8 +7,6 @@
 #include "shared/core/assert.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 namespace limn {
 namespace {

@@ -4,7 +4,6 @@
 #include "shared/progressive/progressive_hull.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 namespace limn {

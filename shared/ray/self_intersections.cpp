@@ -4,7 +4,6 @@
 #include "shared/ray/triangle_bvh.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <utility>
 

@@ -22,7 +22,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -21,7 +21,6 @@
 #include "shared/silhouette/detector.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <optional>

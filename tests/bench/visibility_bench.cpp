@@ -12,10 +12,8 @@
 #include "shared/silhouette/detector.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace limn {

@@ -12,7 +12,6 @@
 #include "server/preprocess/forest/view_sphere.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace limn {

@@ -5,8 +5,6 @@
 
 #include <glm/glm.hpp>
 
-#include <cstdint>
-
 /// Exact arithmetic on hull grid positions. Coordinates have 22 bits and a sign at most
 /// (kMaxHullCoordinate), so a difference has 23, a cross product 47, a triple product 72.
 namespace limn::hull {

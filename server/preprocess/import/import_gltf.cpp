@@ -11,7 +11,6 @@
 #include <glm/gtc/quaternion.hpp>
 #include <tiny_gltf.h>
 
-#include <cmath>
 #include <cstring>
 #include <exception>
 #include <vector>

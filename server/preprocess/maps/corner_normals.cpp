@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/preprocess/maps/corner_normals.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 

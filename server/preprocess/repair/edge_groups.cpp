@@ -2,7 +2,6 @@
 #include "server/preprocess/repair/edge_groups.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace limn::repair {
 
