@@ -143,14 +143,15 @@ class CrackSearch {
   [[nodiscard]] Side sideAt(std::uint32_t self, const glm::dvec3& p, Counts counts) const {
     Side best;
     forNear(p, [&](std::uint32_t other) {
-      if (best.crack == Crack::kInvisible || other == self || !counts(other)) return;
+      if (other == self || !counts(other)) return true;
       const Crack crack = crackTo(borders_[self], borders_[other], p);
       if (crack != Crack::kNot) best = {crack, other};
+      return crack != Crack::kInvisible;
     });
     return best;
   }
 
-  /// visit(border) for all in the cells around p.
+  /// visit(border) for all in the cells around p, while it says true.
   template <class Visit>
   void forNear(const glm::dvec3& p, Visit visit) const {
     for (int dx = -1; dx <= 1; ++dx) {
@@ -161,8 +162,9 @@ class CrackSearch {
               entries_.begin(),
               entries_.end(),
               std::pair<std::uint64_t, std::uint32_t>(cell, 0));
-          for (; entry != entries_.end() && entry->first == cell; ++entry)
-            visit(entry->second);
+          for (; entry != entries_.end() && entry->first == cell; ++entry) {
+            if (!visit(entry->second)) return;
+          }
         }
       }
     }
@@ -176,6 +178,7 @@ class CrackSearch {
       forNear(p, [&](std::uint32_t other) {
         if (other != self && out.kinds[borders_[other].edge] == Crack::kInvisible)
           others_.push_back(other);
+        return true;
       });
     });
     std::sort(others_.begin(), others_.end());
