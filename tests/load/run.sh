@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # Builds a release and plays the load scripts beside this file, each against a server of its own; prints one table.
 #   tests/load/run.sh [SCRIPT...] [--models DIR] [--soak] [--tls] [--bare] [--drain N]
-#                     [--restart N] [--plot SVG] [--json F]
+#                     [--restart N] [--memory] [--plot SVG] [--json F]
 # Without a script: all but soak.toml (--soak: that too). Models: those that scripts name, from DIR (default:
 # ../shared/models when there, else generated shapes of the same names). --plot: latency against the number of orbiting
 # clients, 1 to 200. --tls: scripts over wss, certificate checked. --bare: each script of one model against a bare
 # libwebsockets server as well. --drain: SIGTERM with N clients connected. --restart: kill -9 under N clients that decode
-# everything, and a new server.
+# everything, and a new server. --memory: what a client costs, from the server's memory with few and with many.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-case " $* " in *" -h "* | *" --help "*) sed -n '3,10s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
+case " $* " in *" -h "* | *" --help "*) sed -n '3,11s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
 cd "$here/../.."
 deploy/packages.sh build run test
 mkdir -p build/release
