@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/cover_search.h"
 
+#include "client/stroke/view_distance.h"
+
 #include <algorithm>
 
 namespace limn {
@@ -14,7 +16,8 @@ constexpr double kOnSurface = 1e-4;
 CoverSearch::CoverSearch(const LineScene& scene)
     : scene_(scene),
       eye_(scene.grid.fromModel(scene.camera.eye)),
-      toEyeAtInfinity_(-scene.camera.forward()) {}
+      toEyeAtInfinity_(-scene.camera.forward()),
+      ownSurface_(scene.mesh) {}
 
 bool CoverSearch::isOwn(FaceId face, const Place& place) const {
   if (place.own == Own::kFace) return face == place.face || face == place.other;
@@ -45,11 +48,15 @@ bool CoverSearch::isBefore(FaceId face, const glm::dvec3& place, const glm::dvec
 bool CoverSearch::covers(std::span<const FaceId> start, const Place& place) {
   const glm::dvec3 way = towardEye(place.at);
   tried_.assign(start.begin(), start.end());
+  bool isFacetBefore = false;
   std::size_t next = 0;
   for (int ring = 0; ring <= kRings; ++ring) {
     for (const std::size_t end = tried_.size(); next < end; ++next) {
       const FaceId face = tried_[next];
-      if (isBefore(face, place.at, way) && !isOwn(face, place)) return true;
+      if (isBefore(face, place.at, way) && !isOwn(face, place)) {
+        if (place.own == Own::kFace || !ownSurface_.has(place.face, face)) return true;
+        isFacetBefore = true;
+      }
       if (ring == kRings) continue;
       for (HalfEdgeId h = 3 * face; h < 3 * face + 3; ++h) {
         const HalfEdgeId twin = scene_.mesh.twin(h);
@@ -60,19 +67,35 @@ bool CoverSearch::covers(std::span<const FaceId> start, const Place& place) {
       }
     }
   }
-  return false;
+  return isFacetBefore && isCoveredAside(place);
 }
 
-glm::dvec3 CoverSearch::outside(FaceId face, const glm::dvec3& along, const glm::dvec3& place)
-    const {
+// Whether what was tried stands out so far that it covers the place moved outwards, too.
+bool CoverSearch::isCoveredAside(const Place& place) const {
+  const double distance =
+      glm::dot(scene_.grid.toModel(place.at) - scene_.camera.eye, scene_.camera.forward());
+  const double pixelsPerGrid =
+      scene_.grid.step * pixelsPerUnit(scene_.camera, scene_.viewport, distance);
+  const glm::dvec3 aside = place.at + OwnSurface::kReachPx / pixelsPerGrid * place.out;
+  const glm::dvec3 way = towardEye(aside);
+  return std::any_of(tried_.begin(), tried_.end(), [&](FaceId face) {
+    return isBefore(face, aside, way) && !isOwn(face, place);
+  });
+}
+
+CoverSearch::Place
+CoverSearch::outside(FaceId face, const glm::dvec3& along, const glm::dvec3& place) const {
+  Place moved{place, face, kNone, Own::kAround};
   glm::dvec3 out = glm::cross(along, towardEye(place));
   const double length = glm::length(out);
-  if (!(length > 0.0)) return place;
+  if (!(length > 0.0)) return moved;
   const glm::dvec3 a = corner(3 * face) - place;
   const glm::dvec3 b = corner(3 * face + 1) - place;
   const glm::dvec3 c = corner(3 * face + 2) - place;
   out *= (glm::dot(out, glm::cross(b - a, c - a)) < 0.0 ? -1.0 : 1.0) / length;
-  return place + std::max({0.0, glm::dot(a, out), glm::dot(b, out), glm::dot(c, out)}) * out;
+  moved.at += std::max({0.0, glm::dot(a, out), glm::dot(b, out), glm::dot(c, out)}) * out;
+  moved.out = out;
+  return moved;
 }
 
 // The share of apex + s · along, s from 0 to 1, that the face of a corner at the apex covers: lines

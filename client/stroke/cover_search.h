@@ -2,6 +2,7 @@
 #pragma once
 
 #include "client/stroke/line_scene.h"
+#include "client/stroke/own_surface.h"
 
 #include <glm/glm.hpp>
 
@@ -22,7 +23,7 @@ class CoverSearch {
   /// What a place lies on, which does not cover it.
   enum class Own : std::uint8_t {
     kFace,    // the face, and the one across `edge` if there is an edge
-    kAround,  // every face that shares a corner with the face
+    kAround,  // those that share a corner with the face, and OwnSurface
   };
 
   struct Place {
@@ -30,6 +31,7 @@ class CoverSearch {
     FaceId face = kNone;
     FaceId other = kNone;  // kFace: the second one, or kNone
     Own own = Own::kFace;
+    glm::dvec3 out{0.0};  // kAround: unit vector away from its surface, across the view
   };
 
   /// Tries the faces of `start`, and those up to kRings edges from them. Cost: O(faces tried), some
@@ -39,8 +41,7 @@ class CoverSearch {
   /// A place of a smooth silhouette on a face moved to where its mesh's outline is: away from the
   /// surface, across the line and the view, as far as the face's corners stand out. Where the line
   /// (along) runs along the view, the place itself.
-  [[nodiscard]] glm::dvec3 outside(FaceId face, const glm::dvec3& along, const glm::dvec3& place)
-      const;
+  [[nodiscard]] Place outside(FaceId face, const glm::dvec3& along, const glm::dvec3& place) const;
 
   /// How much of the way from the vertex that half-edge `out` leaves to a place `to`, along the
   /// edge between the faces own and ownOther, the other faces around that vertex cover: a share of
@@ -64,11 +65,13 @@ class CoverSearch {
   [[nodiscard]] double coveredBy(HalfEdgeId corner, const glm::dvec3& apex, const glm::dvec3& along)
       const;
   [[nodiscard]] bool isOwn(FaceId face, const Place& place) const;
+  [[nodiscard]] bool isCoveredAside(const Place& place) const;
   [[nodiscard]] bool isBefore(FaceId face, const glm::dvec3& place, const glm::dvec3& way) const;
 
   LineScene scene_;
   glm::dvec3 eye_;  // grid units
   glm::dvec3 toEyeAtInfinity_;
+  OwnSurface ownSurface_;
   std::vector<FaceId> tried_;
 };
 

@@ -76,12 +76,10 @@ bool CoveredParts::isCovered(
   // The share is that in the picture: close enough where a segment is short to the eye.
   const glm::dvec3 from(view.lines.points[segment.begin]);
   const glm::dvec3 to(view.lines.points[segment.next]);
-  CoverSearch::Place place{glm::mix(from, to, t), segment.face, segment.other};
-  if (segment.isSmooth) {
-    place.own = CoverSearch::Own::kAround;
-    place.at = search.outside(segment.face, to - from, place.at);
-  }
-  return search.covers(faces_, place);
+  const glm::dvec3 place = glm::mix(from, to, t);
+  if (segment.isSmooth)
+    return search.covers(faces_, search.outside(segment.face, to - from, place));
+  return search.covers(faces_, {place, segment.face, segment.other});
 }
 
 }  // namespace limn

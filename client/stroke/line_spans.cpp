@@ -32,6 +32,8 @@ constexpr double kOwnSurface = 4.0;
 constexpr double kProbePx = 1.5;
 /// A probe each pixel, and no more than this many a span.
 constexpr double kMostProbes = 16.0;
+/// The line itself goes on in so many edges before and after a segment's: its own surface.
+constexpr std::uint32_t kOwnEdges = 4;
 /// Window depth behind all there is in the picture.
 constexpr double kBehindAll = 2.0;
 
@@ -276,14 +278,13 @@ class SpanCutter {
       memory_.crossings_.crossInPicture(segment.from, segment.to, found);
     } else {
       segment.nearBegin = static_cast<std::uint32_t>(memory_.near_.size());
-      // The line itself goes on in the edges before and after its own.
       memory_.crossings_.crossInPicture(
           segment.from,
           segment.to,
           found,
           {kCoverReachPx,
-           segment.edge == 0 ? 0 : segment.edge - 1,
-           segment.edge + 2,
+           segment.edge < kOwnEdges ? 0 : segment.edge - kOwnEdges,
+           segment.edge + kOwnEdges + 1,
            memory_.near_});
       segment.nearEnd = static_cast<std::uint32_t>(memory_.near_.size());
     }

@@ -10,6 +10,8 @@
 #include "client/stroke/resolved_visibility.h"
 
 #include "client/stroke/line_crossings.h"
+#include "client/stroke/own_surface.h"
+#include "client/stroke/view_distance.h"
 
 #include "shared/mesh/edge_shape.h"
 
@@ -40,7 +42,11 @@ class ViewResolver {
         orthographic_(scene.camera.orthographic),
         eye_(scene.grid.fromModel(scene.camera.eye)),
         forward_(scene.camera.forward()),
-        crossings_(scene.viewport) {
+        grid_(scene.grid),
+        camera_(scene.camera),
+        viewport_(scene.viewport),
+        crossings_(scene.viewport),
+        ownSurface_(scene.mesh) {
     const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
     clipFromGrid_ = clipFromWorld * scene.grid.step;
     clipFromGrid_[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
@@ -139,10 +145,13 @@ class ViewResolver {
       const double to = cut < cuts_.size() ? cuts_[cut].inSpace : 1.0;
       const glm::dvec3 middle = glm::mix(a, b, 0.5 * (from + to));
       const bool isAside = isSmooth && !line.onSurface;
-      const bool visible = !isBlocked(
-          isAside ? outside(lines_.faces[point], b - a, middle) : middle,
-          line.kind == LineKind::kIntersection ? kSkipOnSurface : kSkip,
-          out);
+      const bool visible = isAside
+                               ? !isBlockedAside(lines_.faces[point], b - a, middle, out)
+                               : !isBlocked(
+                                     middle,
+                                     line.kind == LineKind::kIntersection ? kSkipOnSurface : kSkip,
+                                     own_,
+                                     out);
       const bool isFirst = out.pieces.size() == out.begin.back();
       if (!isFirst && out.pieces.back().visible == visible) {
         out.pieces.back().end = static_cast<float>(to);
@@ -174,14 +183,39 @@ class ViewResolver {
     });
   }
 
-  [[nodiscard]] bool isBlocked(const glm::dvec3& p, double skip, ResolvedLines& out) {
+  // A place of a smooth silhouette, by more than facets of its own surface that stand out beside
+  // it.
+  [[nodiscard]] bool isBlockedAside(
+      FaceId face,
+      const glm::dvec3& along,
+      const glm::dvec3& middle,
+      ResolvedLines& out) {
+    const glm::dvec3 place = outside(face, along, middle);
+    if (!isBlocked(place, kSkip, own_, out)) return false;
+    if (isBlocked(place, kSkip, ownSurface_.around(face), out)) return true;
+    return isBlocked(place + fartherOut(face, along, place), kSkip, own_, out);
+  }
+
+  [[nodiscard]] glm::dvec3 fartherOut(FaceId face, const glm::dvec3& along, const glm::dvec3& place)
+      const {
+    return OwnSurface::kReachPx / pixelsPerGrid(place) * outward(face, along, place);
+  }
+
+  // Of a length across the view.
+  [[nodiscard]] double pixelsPerGrid(const glm::dvec3& place) const {
+    const glm::dvec3 p = grid_.toModel(place);
+    return grid_.step * pixelsPerUnit(camera_, viewport_, glm::dot(p - camera_.eye, forward_));
+  }
+
+  [[nodiscard]] bool
+  isBlocked(const glm::dvec3& p, double skip, std::span<const FaceId> own, ResolvedLines& out) {
     ++out.rays;
     Ray ray;
     ray.origin = p;
     ray.direction = towardEye(p);
     ray.begin = skip / glm::length(ray.direction);
     if (!orthographic_) ray.end = 1.0;
-    const std::uint32_t blocker = bvh_.findBlocker(ray, own_, lastBlocker_);
+    const std::uint32_t blocker = bvh_.findBlocker(ray, own, lastBlocker_);
     if (blocker != kNone) lastBlocker_ = blocker;
     return blocker != kNone;
   }
@@ -250,9 +284,13 @@ class ViewResolver {
   bool orthographic_;
   glm::dvec3 eye_;  // grid units
   glm::dvec3 forward_;
+  const Grid& grid_;
+  const Camera& camera_;
+  Viewport viewport_;
   glm::dmat4 clipFromGrid_;
   LineCrossings crossings_;
   std::vector<std::uint8_t> isFront_;  // by face
+  OwnSurface ownSurface_;
   std::uint32_t lastBlocker_ = kNone;  // what hides one piece often hides the next
   // Of the segment being resolved.
   std::vector<FaceId> own_;

@@ -3,6 +3,8 @@
 #include "client/stroke/cover_search.h"
 
 #include "client/stroke/line_crossings.h"
+#include "client/stroke/own_surface.h"
+#include "client/stroke/view_distance.h"
 #include "tests/property/segment_meets.h"
 
 #include "shared/core/rng.h"
@@ -48,6 +50,12 @@ struct Shape {
     return t && *t > 0.0 && *t < 1.0;
   }
 
+  /// Grid units that a facet may stand out there.
+  [[nodiscard]] double asideOf(const glm::dvec3& place) const {
+    const double distance = glm::dot(shape.grid.toModel(place) - camera.eye, camera.forward());
+    return OwnSurface::kReachPx / (shape.grid.step * pixelsPerUnit(camera, {800, 800}, distance));
+  }
+
   [[nodiscard]] bool shareCorner(FaceId a, FaceId b) const {
     for (HalfEdgeId h = 3 * a; h < 3 * a + 3; ++h) {
       for (HalfEdgeId g = 3 * b; g < 3 * b + 3; ++g) {
@@ -55,6 +63,25 @@ struct Shape {
       }
     }
     return false;
+  }
+
+  /// How many corners away, at most OwnSurface::kRings + 1.
+  [[nodiscard]] int cornersBetween(FaceId a, FaceId b) const {
+    if (a == b) return 0;
+    std::set<std::uint32_t> vertices;
+    for (HalfEdgeId h = 3 * a; h < 3 * a + 3; ++h)
+      vertices.insert(mesh.origin(h));
+    for (int rings = 1; rings <= OwnSurface::kRings; ++rings) {
+      for (HalfEdgeId h = 3 * b; h < 3 * b + 3; ++h) {
+        if (vertices.contains(mesh.origin(h))) return rings;
+      }
+      std::set<std::uint32_t> more = vertices;
+      for (HalfEdgeId h = 0; h < mesh.origins.size(); ++h) {
+        if (vertices.contains(mesh.origin(h))) more.insert(mesh.target(h));
+      }
+      vertices = std::move(more);
+    }
+    return OwnSurface::kRings + 1;
   }
 
   [[nodiscard]] std::set<FaceId> around(FaceId face, int rings) const {
@@ -87,14 +114,20 @@ TEST(CoverSearch, FindsWhatARayThroughTheFacesAroundMeets) {
     place += (rng.uniform() * 200.0 - 150.0) * glm::normalize(shape.eye() - place);
     for (const bool isAround : {false, true}) {
       for (const FaceId face : {own, neighbour}) {
-        const CoverSearch::Place at{
+        CoverSearch::Place at{
             place,
             face,
             kNone,
             isAround ? CoverSearch::Own::kAround : CoverSearch::Own::kFace};
+        at.out = glm::normalize(glm::cross(shape.eye() - place, glm::dvec3(0.3, 1.0, 0.2)));
+        const glm::dvec3 aside = place + shape.asideOf(place) * at.out;
         const bool expected = std::any_of(tried.begin(), tried.end(), [&](FaceId f) {
           const bool isOwn = isAround ? shape.shareCorner(f, face) : f == face;
-          return !isOwn && shape.isMet(f, place);
+          if (isOwn || !shape.isMet(f, place)) return false;
+          if (!isAround || shape.cornersBetween(face, f) > OwnSurface::kRings) return true;
+          return std::any_of(tried.begin(), tried.end(), [&](FaceId g) {
+            return !shape.shareCorner(g, face) && shape.isMet(g, aside);
+          });
         });
         EXPECT_EQ(search.covers(std::vector{start}, at), expected) << start << " " << face;
         (expected ? covered : free) += 1;
@@ -103,6 +136,36 @@ TEST(CoverSearch, FindsWhatARayThroughTheFacesAroundMeets) {
   }
   EXPECT_GT(covered, 500);
   EXPECT_GT(free, 500);
+}
+
+TEST(OwnSurface, HasTheFacesUpToThreeCornersAway) {
+  const Shape shape;
+  OwnSurface own(shape.mesh);
+  for (FaceId face = 0; face < shape.mesh.faceCount(); face += 1201) {
+    const std::span<const FaceId> around = own.around(face);
+    const std::set<FaceId> found(around.begin(), around.end());
+    EXPECT_EQ(found.size(), around.size());
+    for (FaceId other = 0; other < shape.mesh.faceCount(); other += 61) {
+      const bool expected = shape.cornersBetween(face, other) <= OwnSurface::kRings;
+      EXPECT_EQ(own.has(face, other), expected);
+      EXPECT_EQ(found.contains(other), expected);
+    }
+    for (const FaceId other : found)
+      EXPECT_TRUE(own.has(face, other));
+  }
+}
+
+TEST(OwnSurface, EndsAtBorders) {
+  // A fan of four faces round a vertex, open.
+  const std::vector<glm::uvec3> triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}};
+  const auto mesh = HalfEdgeMesh::build(6, triangles);
+  ASSERT_TRUE(mesh);
+  OwnSurface own(*mesh);
+  for (FaceId a = 0; a < 4; ++a) {
+    EXPECT_EQ(own.around(a).size(), 4U);
+    for (FaceId b = 0; b < 4; ++b)
+      EXPECT_TRUE(own.has(a, b));
+  }
 }
 
 TEST(CoverSearch, EdgesAreCoveredByTheFacesAroundTheirEndsAsFarAsItSays) {
