@@ -91,10 +91,6 @@ void ModelLibrary::setFailed(const std::string& name, const std::string& reason)
   it.asset.reset();
 }
 
-void ModelLibrary::forgetAsset(const std::string& name) {
-  if (CatalogueItem* known = item(name)) known->asset.reset();
-}
-
 void ModelLibrary::remove(const std::string& name) {
   std::erase_if(items_, [&](const CatalogueItem& it) { return it.name == name; });
   evict();

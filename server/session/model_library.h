@@ -46,8 +46,6 @@ class ModelLibrary final : public ModelSource {
   void setFailed(const std::string& name, const std::string& reason);
   /// Reads and verifies the asset on a worker; the item is kReady once that is done.
   void setAsset(const std::string& name, const Sha256Digest& asset);
-  /// The asset is gone or damaged: not streamed any more, until setAsset().
-  void forgetAsset(const std::string& name);
   void remove(const std::string& name);
   [[nodiscard]] bool contains(std::string_view name) const;
 
