@@ -32,23 +32,27 @@ class Window:
         self.folder, self.arguments = folder, arguments
 
     def __enter__(self):
-        # Xvfb chooses a free display and says which.
+        # Xvfb chooses a free display and says which; without -noreset it would start anew, and lose whoever is just
+        # connecting, whenever the last of xdotool's looks for a window ends.
         read, write = os.pipe()
-        self.display = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1000x800x24"],
+        self.display = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-noreset", "-screen", "0", "1000x800x24"],
                                         pass_fds=[write], stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as numbers:
             self.environment = dict(os.environ, DISPLAY=":" + numbers.readline().strip())
-        self.client = self.start()
+        try:
+            self.start()
+        except BaseException:
+            self.__exit__()
+            raise
         return self
 
     def start(self):
-        client = subprocess.Popen(
+        self.client = subprocess.Popen(
             [str(BIN / "limn-client"), "view", *map(str, self.arguments), "--size", "800x600", "--save-to", self.folder,
              "--remember", self.folder / "memory.json", "--report", self.folder / "report.json"],
             env=self.environment, stderr=subprocess.PIPE, text=True)
         self.window = wait_for(lambda: self.xdotool("search", "--name", "Limn"), "a window").split()[0]
-        return client
 
     def __exit__(self, *_):
         for process in (self.client, self.display):
