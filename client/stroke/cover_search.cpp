@@ -3,6 +3,9 @@
 
 #include "client/stroke/view_distance.h"
 
+#include "shared/mesh/edge_shape.h"
+#include "shared/mesh/fan.h"
+
 #include <algorithm>
 
 namespace limn {
@@ -101,18 +104,9 @@ CoverSearch::outside(FaceId face, const glm::dvec3& along, const glm::dvec3& pla
 // The share of apex + s · along, s from 0 to 1, that the face of a corner at the apex covers: lines
 // from there lie before or behind the face's plane all along, and leave the face once.
 double CoverSearch::coveredBy(HalfEdgeId h, const glm::dvec3& apex, const glm::dvec3& along) const {
-  const glm::dvec3 way = towardEye(apex);
+  if (!coversAtStart(scene_.mesh, scene_.positions, h, along, towardEye(apex))) return 0.0;
   const glm::dvec3 b = corner(HalfEdgeMesh::next(h)) - apex;
   const glm::dvec3 c = corner(HalfEdgeMesh::prev(h)) - apex;
-  // Close to the apex the face is the cone of its two edges there [MollerTrumbore97].
-  const glm::dvec3 q = glm::cross(way, c);
-  const double det = glm::dot(b, q);
-  if (det == 0.0) return 0.0;
-  const double sign = det > 0.0 ? 1.0 : -1.0;
-  const glm::dvec3 r = glm::cross(along, b);
-  if (sign * glm::dot(along, q) < 0.0 || sign * glm::dot(way, r) < 0.0 ||
-      !(sign * glm::dot(c, r) > 0.0))
-    return 0.0;
   // Where the plane through the eye and the edge across meets the line.
   const glm::dvec3 across = glm::cross(c - b, towardEye(apex + b));
   const double share = glm::dot(across, b) / glm::dot(across, along);
@@ -123,18 +117,10 @@ double CoverSearch::coveredShare(HalfEdgeId out, const glm::dvec3& to, FaceId ow
     const {
   const glm::dvec3 apex = corner(out);
   double share = 0.0;
-  const auto meet = [&](HalfEdgeId h) {
+  forFan(scene_.mesh, out, [&](HalfEdgeId h) {
     const FaceId face = HalfEdgeMesh::face(h);
     if (face != own && face != ownOther) share = std::max(share, coveredBy(h, apex, to - apex));
-  };
-  HalfEdgeId h = out;
-  do {
-    meet(h);
-    h = scene_.mesh.rotateCcw(h);
-  } while (h != kNone && h != out);
-  if (h != kNone) return share;
-  for (h = scene_.mesh.rotateCw(out); h != kNone; h = scene_.mesh.rotateCw(h))
-    meet(h);
+  });
   return share;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/own_surface.h"
 
+#include "shared/mesh/fan.h"
+
 #include <algorithm>
 
 namespace limn {
@@ -17,14 +19,8 @@ std::span<const FaceId> OwnSurface::around(FaceId face) {
   for (int ring = 0; ring < kRings; ++ring) {
     for (const std::size_t end = faces_.size(); next < end; ++next) {
       const HalfEdgeId begin = 3 * faces_[next];
-      for (HalfEdgeId first = begin; first < begin + 3; ++first) {
-        HalfEdgeId h = mesh_.rotateCcw(first);
-        for (; h != kNone && h != first; h = mesh_.rotateCcw(h))
-          add(h);
-        if (h != kNone) continue;
-        for (h = mesh_.rotateCw(first); h != kNone; h = mesh_.rotateCw(h))
-          add(h);
-      }
+      for (HalfEdgeId first = begin; first < begin + 3; ++first)
+        forFan(mesh_, first, add);
     }
   }
   return faces_;
@@ -45,18 +41,11 @@ void OwnSurface::gatherVertices(FaceId face, std::vector<std::uint32_t>& out) co
   out.clear();
   for (HalfEdgeId first = 3 * face; first < 3 * face + 3; ++first) {
     out.push_back(mesh_.origin(first));
-    HalfEdgeId h = first;
-    do {
+    forFan(mesh_, first, [&](HalfEdgeId h) {
       out.push_back(mesh_.target(h));
-      h = mesh_.rotateCcw(h);
-    } while (h != kNone && h != first);
-    if (h != kNone) continue;
-    // An open fan: its other half, and the last neighbour of this one.
-    for (h = first; mesh_.rotateCcw(h) != kNone;)
-      h = mesh_.rotateCcw(h);
-    out.push_back(mesh_.origin(HalfEdgeMesh::prev(h)));
-    for (h = mesh_.rotateCw(first); h != kNone; h = mesh_.rotateCw(h))
-      out.push_back(mesh_.target(h));
+      // The last of an open fan has one more neighbour.
+      if (mesh_.rotateCcw(h) == kNone) out.push_back(mesh_.origin(HalfEdgeMesh::prev(h)));
+    });
   }
 }
 

@@ -14,6 +14,7 @@
 #include "client/stroke/view_distance.h"
 
 #include "shared/mesh/edge_shape.h"
+#include "shared/mesh/fan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -243,16 +244,8 @@ class ViewResolver {
   // Every face that shares a corner with `face`.
   void gatherAround(FaceId face) {
     own_.clear();
-    for (HalfEdgeId first = 3 * face; first < 3 * face + 3; ++first) {
-      HalfEdgeId h = first;
-      do {
-        own_.push_back(HalfEdgeMesh::face(h));
-        h = mesh_.rotateCcw(h);
-      } while (h != kNone && h != first);
-      if (h != kNone) continue;
-      for (h = mesh_.rotateCw(first); h != kNone; h = mesh_.rotateCw(h))
-        own_.push_back(HalfEdgeMesh::face(h));
-    }
+    for (HalfEdgeId first = 3 * face; first < 3 * face + 3; ++first)
+      forFan(mesh_, first, [&](HalfEdgeId h) { own_.push_back(HalfEdgeMesh::face(h)); });
   }
 
   // Across the view and the line, away from the surface; the zero vector where the line runs along

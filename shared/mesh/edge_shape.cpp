@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/mesh/edge_shape.h"
 
+#include "shared/mesh/fan.h"
+
 #include <cmath>
 
 namespace limn {
@@ -39,6 +41,24 @@ bool isCoveredNearby(
   return false;
 }
 
+bool coversAtStart(
+    const HalfEdgeMesh& mesh,
+    std::span<const glm::ivec3> positions,
+    HalfEdgeId h,
+    const glm::dvec3& along,
+    const glm::dvec3& towardEye) {
+  const glm::dvec3 apex(positions[mesh.origin(h)]);
+  const glm::dvec3 ab = glm::dvec3(positions[mesh.target(h)]) - apex;
+  const glm::dvec3 ac = glm::dvec3(positions[mesh.origin(HalfEdgeMesh::prev(h))]) - apex;
+  const glm::dvec3 q = glm::cross(towardEye, ac);
+  const double det = glm::dot(ab, q);
+  if (det == 0.0) return false;
+  const double sign = det > 0.0 ? 1.0 : -1.0;
+  if (sign * glm::dot(along, q) < 0.0) return false;
+  const glm::dvec3 r = glm::cross(along, ab);
+  return sign * glm::dot(towardEye, r) >= 0.0 && sign * glm::dot(ac, r) > 0.0;
+}
+
 bool isCoveredAtStart(
     const HalfEdgeMesh& mesh,
     std::span<const glm::ivec3> positions,
@@ -46,32 +66,15 @@ bool isCoveredAtStart(
     HalfEdgeId edge,
     const glm::dvec3& along,
     const glm::dvec3& towardEye) {
-  const glm::dvec3 apex(positions[mesh.origin(out)]);
   const FaceId own = HalfEdgeMesh::face(edge);
   const FaceId other = mesh.twin(edge) == kNone ? kNone : HalfEdgeMesh::face(mesh.twin(edge));
-  // Close to the vertex a face is the cone of its two edges there.
-  const auto covers = [&](HalfEdgeId h) {
-    if (HalfEdgeMesh::face(h) == own || HalfEdgeMesh::face(h) == other) return false;
-    const glm::dvec3 ab = glm::dvec3(positions[mesh.target(h)]) - apex;
-    const glm::dvec3 ac = glm::dvec3(positions[mesh.origin(HalfEdgeMesh::prev(h))]) - apex;
-    const glm::dvec3 q = glm::cross(towardEye, ac);
-    const double det = glm::dot(ab, q);
-    if (det == 0.0) return false;
-    const double sign = det > 0.0 ? 1.0 : -1.0;
-    if (sign * glm::dot(along, q) < 0.0) return false;
-    const glm::dvec3 r = glm::cross(along, ab);
-    return sign * glm::dot(towardEye, r) >= 0.0 && sign * glm::dot(ac, r) > 0.0;
-  };
-  HalfEdgeId h = out;
-  do {
-    if (covers(h)) return true;
-    h = mesh.rotateCcw(h);
-  } while (h != kNone && h != out);
-  if (h != kNone) return false;
-  for (h = mesh.rotateCw(out); h != kNone; h = mesh.rotateCw(h)) {
-    if (covers(h)) return true;
-  }
-  return false;
+  bool isCovered = false;
+  forFan(mesh, out, [&](HalfEdgeId h) {
+    const FaceId face = HalfEdgeMesh::face(h);
+    isCovered = isCovered || (face != own && face != other &&
+                              coversAtStart(mesh, positions, h, along, towardEye));
+  });
+  return isCovered;
 }
 
 }  // namespace limn

@@ -38,6 +38,16 @@ isConcave(const HalfEdgeMesh& mesh, std::span<const glm::ivec3> positions, HalfE
     HalfEdgeId h,
     const glm::dvec3& towardEye);
 
+/// Whether the face of half-edge h is in front of a line from the vertex that h leaves, close to
+/// it, where the face is the cone of its two edges. along, towardEye: as isCoveredAtStart(). Cost:
+/// O(1).
+[[nodiscard]] bool coversAtStart(
+    const HalfEdgeMesh& mesh,
+    std::span<const glm::ivec3> positions,
+    HalfEdgeId h,
+    const glm::dvec3& along,
+    const glm::dvec3& towardEye);
+
 /// Whether a face around the vertex that half-edge `out` leaves is in front of a line from there,
 /// close to it; edge: whose two faces do not count. along: the line's direction; towardEye: from
 /// the vertex to the eye, any length. Cost: O(valence).
