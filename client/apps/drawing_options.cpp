@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/drawing_options.h"
 
+#include "client/core/hull_streams.h"
+
+#include <cstdio>
+
 namespace limn {
 
 protocol::Silhouette wantedSilhouette(const RenderCommandOptions& options) {
@@ -34,6 +38,19 @@ RenderOptions renderOptionsOf(const RenderCommandOptions& options) {
   render.firstLayer = options.firstLayer;
   render.hullFaces = options.hullFaces;
   return render;
+}
+
+void noteMissingHull(const ModelDescription& model, const RenderCommandOptions& options) {
+  if (options.draw != DrawMode::kClip || model.hasHull()) return;
+  std::fprintf(
+      stderr,
+      "limn-client: %s; it is drawn whole, not clipped\n",
+      whyNoHull(model).c_str());
+}
+
+Result<void> checkHull(const MeshSnapshot& snapshot, const RenderCommandOptions& options) {
+  if (options.draw != DrawMode::kClip || snapshot.outerHull || !snapshot.model.hasHull()) return {};
+  return fail(ErrorCode::kUnavailable, "the hull has not arrived: allow more");
 }
 
 }  // namespace limn

@@ -44,9 +44,6 @@ class PictureThread::Artist {
         std::max(1, static_cast<int>(std::lround(scale * order.viewport.height)));
     options.pixelScale = scale;
     options.supersample = order.detail.supersample;
-    // Until the hull has come, and where there is none.
-    if (options.draw == DrawMode::kClip && !order.snapshot->outerHull)
-      options.draw = DrawMode::kShaded;
     auto frame = renderer_->render(*order.snapshot, found.lines, order.camera, options);
     if (!frame) return tl::unexpected(frame.error());
     picture.image = std::move(frame->image);

@@ -328,6 +328,7 @@ Result<void> runRender(const RenderCommandOptions& options) {
   const auto model =
       watchSession(session, progress, [&](std::uint64_t ms) { return session.waitForModel(ms); });
   if (!model) return tl::unexpected(model.error());
+  noteMissingHull(*model, options);
   const auto path = camerasOf(options, model->sphere);
   if (!path) return tl::unexpected(path.error());
   session.setView(viewOf(options, until, path->front()));
@@ -340,6 +341,7 @@ Result<void> runRender(const RenderCommandOptions& options) {
   auto outcome = reach();
   if (!outcome) return tl::unexpected(outcome.error());
 
+  if (auto ok = checkHull(*outcome->snapshot, options); !ok) return ok;
   const auto& seeds = outcome->snapshot->seeds;
   if (options.detector == DetectorMethod::kPrecomputed && (!seeds || seeds->seeds.empty())) {
     std::fputs(

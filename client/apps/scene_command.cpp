@@ -67,6 +67,7 @@ class Actor {
     if (!outcome) return tl::unexpected(outcome.error());
     if (outcome->snapshot != outcome_.snapshot) finder_.reset();
     outcome_ = *std::move(outcome);
+    if (auto ok = checkHull(*outcome_.snapshot, options_); !ok) return ok;
     if (options_.contours == SessionMachine::Options::Contours::kServer) return {};
     if (!finder_) {
       LineFinderOptions lines = lineOptionsOf(options_);
@@ -150,6 +151,7 @@ Result<void> runScene(const RenderCommandOptions& options) {
   for (const auto& actor : actors) {
     const auto model = actor->description(progress);
     if (!model) return tl::unexpected(model.error());
+    noteMissingHull(*model, options);
     own.push_back(model->sphere);
   }
   const BoundingSphere around = sphereAround(placeAll(options, own, actors));

@@ -49,6 +49,10 @@ ClientSession::Options sessionOptionsOf(const Source& source, const RenderComman
   const bool needsStage = options.contours == SessionMachine::Options::Contours::kServer &&
                           options.draw == DrawMode::kStrokes;
   if (needsStage) session.innerHullFaces = std::max(options.hullFaces, kStageFaces);
+  // A clipped mesh that has no hull can be drawn whole, if it is there.
+  const bool needsHull = options.contours == SessionMachine::Options::Contours::kServer ||
+                         !options.dumpHull.empty() || !options.dumpInnerHull.empty();
+  if (needsHull) session.hulls = SessionMachine::Options::Hulls::kNeeded;
   return made;
 }
 

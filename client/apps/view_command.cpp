@@ -302,9 +302,7 @@ class Viewer {
     view.viewport = size;
     view.errorPx = static_cast<float>(options_.errorPx);
     view.silhouette = wantedSilhouette(*look_);
-    const auto& hull = snapshot->model.hull;
-    if (look_->draw == DrawMode::kClip && hull && hull->reason.empty())
-      view.hullFaces = look_->hullFaces;
+    if (look_->draw == DrawMode::kClip) view.hullFaces = look_->hullFaces;
     model_.setView(view);
     ordered_ = order;
     pictures_.order(std::move(order));

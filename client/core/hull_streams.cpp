@@ -14,9 +14,13 @@ const HullDescription::Side& describe(const ModelDescription& model, protocol::H
 
 }  // namespace
 
+std::string whyNoHull(const ModelDescription& model) {
+  return "'" + model.name + "' has no hull" +
+         (model.hull ? ", because " + model.hull->reason : ": prepare it again with this release");
+}
+
 Result<void> HullStreams::take(const protocol::Hull& message, const ModelDescription& model) {
-  if (!model.hull || !model.hull->reason.empty())
-    return fail(ErrorCode::kProtocol, "a hull came for a model that has none");
+  if (!model.hasHull()) return fail(ErrorCode::kProtocol, "a hull came for a model that has none");
   const auto side = static_cast<std::size_t>(message.side);
   if (decoders_[side]) return fail(ErrorCode::kProtocol, "a second hull of the same side came");
   const auto& hash = model.hull->hashes[side];

@@ -12,8 +12,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 namespace limn {
+
+/// "'NAME' has no hull, because …", of a model that has none.
+[[nodiscard]] std::string whyNoHull(const ModelDescription& model);
 
 /// Turns the Hull and HullSplits messages of one open model into its hulls. Threads: one at a time.
 class HullStreams {

@@ -183,34 +183,29 @@ void ModelStream::askForContour(std::uint64_t nowMs) {
 }
 
 Result<void> ModelStream::askForHulls() {
-  auto outer = askForHull(protocol::HullSide::kOuter, options_.outerHullFaces);
-  if (!outer) return outer;
-  auto inner = askForHull(protocol::HullSide::kInner, options_.innerHullFaces);
-  if (!inner) return inner;
+  if (!decoder_.model().hasHull()) {
+    const bool isWanted = options_.outerHullFaces > 0 || options_.innerHullFaces > 0;
+    if (!isWanted || options_.hulls == StreamOptions::Hulls::kWanted) return {};
+    return fail(ErrorCode::kUnsupported, whyNoHull(decoder_.model()));
+  }
+  askForHull(protocol::HullSide::kOuter, options_.outerHullFaces);
+  askForHull(protocol::HullSide::kInner, options_.innerHullFaces);
   askForMap(protocol::MapKind::kNormals);
   askForMap(protocol::MapKind::kColors);
   return {};
 }
 
-Result<void> ModelStream::askForHull(protocol::HullSide side, std::uint32_t faces) {
-  if (faces == 0) return {};
-  const auto& hull = decoder_.model().hull;
-  if (!hull || !hull->reason.empty()) {
-    return fail(
-        ErrorCode::kUnsupported,
-        "'" + model_ + "' has no hull" +
-            (hull ? ", because " + hull->reason : ": prepare it again with this release"));
-  }
+void ModelStream::askForHull(protocol::HullSide side, std::uint32_t faces) {
+  if (faces == 0) return;
   const HullStreams& hulls = decoder_.hulls();
   std::uint32_t& asked = hullAsked_[static_cast<std::size_t>(side)];
   const auto isThere = [&](std::uint32_t level) {
     return hulls.isThere(side, level, decoder_.model());
   };
   // What is on its way comes first: a request says what is held.
-  if (isThere(faces) || (asked != 0 && !isThere(asked))) return {};
+  if (isThere(faces) || (asked != 0 && !isThere(asked))) return;
   asked = faces;
   outbox_.push_back(encodeMessage(protocol::GetHull{channel_, side, faces, hulls.held(side)}));
-  return {};
 }
 
 void ModelStream::askForMap(protocol::MapKind kind) {
@@ -257,7 +252,8 @@ bool ModelStream::hasReached(MeshState wanted) const {
 
 bool ModelStream::hullsAreThere() const {
   const auto isThere = [&](protocol::HullSide side, std::uint32_t faces) {
-    return faces == 0 || decoder_.hulls().isThere(side, faces, decoder_.model());
+    return faces == 0 || !decoder_.model().hasHull() ||
+           decoder_.hulls().isThere(side, faces, decoder_.model());
   };
   const auto hasMap = [&](protocol::MapKind kind) {
     return !wantsMap(kind) || decoder_.maps().map(kind);

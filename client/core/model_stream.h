@@ -31,6 +31,10 @@ struct StreamOptions {
   /// Faces of the hulls that are wanted, and without which no state counts; 0: none.
   std::uint32_t outerHullFaces = 0;
   std::uint32_t innerHullFaces = 0;
+  /// What becomes of a model without hulls where one is wanted. kWanted: it goes on as if none
+  /// were. kNeeded: the session fails.
+  enum class Hulls : std::uint8_t { kWanted, kNeeded };
+  Hulls hulls = Hulls::kWanted;
   /// The maps over the outer hull are wanted where the model has them, and without them no state
   /// counts. Go with outerHullFaces.
   enum class Maps : std::uint8_t { kOff, kWanted };
@@ -118,7 +122,7 @@ class ModelStream {
   void onTimer(std::uint64_t nowMs);
   void tellView(std::uint64_t nowMs);
   /// Of hulls and maps that are wanted, asks for what is neither there nor on its way. Errors:
-  /// kUnsupported (the model has no hull).
+  /// kUnsupported (a hull is needed, and the model has none).
   [[nodiscard]] Result<void> askForHulls();
 
   // ---- Where it stands
@@ -145,7 +149,7 @@ class ModelStream {
 
  private:
   void askForContour(std::uint64_t nowMs);
-  [[nodiscard]] Result<void> askForHull(protocol::HullSide side, std::uint32_t faces);
+  void askForHull(protocol::HullSide side, std::uint32_t faces);
   void askForMap(protocol::MapKind kind);
   void keepMap(protocol::MapKind kind);
   [[nodiscard]] bool wantsMap(protocol::MapKind kind) const;

@@ -58,6 +58,9 @@ struct ModelDescription {
   std::array<MapFile, kMapKinds> mapFiles{};
   std::optional<protocol::SectionHash> baseHash;
 
+  /// If not, whyNoHull() says why.
+  [[nodiscard]] bool hasHull() const { return hull && hull->reason.empty(); }
+
   [[nodiscard]] const MapFile& mapFile(protocol::MapKind kind) const {
     return mapFiles[static_cast<std::size_t>(kind)];
   }

@@ -146,7 +146,6 @@ Result<std::unique_ptr<ClipMethod>> ClipMethod::make(DrawTools& tools) {
 
 Result<void> ClipMethod::uploadHull(const DrawRequest& request) {
   const auto& hull = request.snapshot.outerHull;
-  if (!hull) return fail(ErrorCode::kUnavailable, "the hull has not arrived: allow more");
   const std::size_t splits = hull->splitsFor(request.options.hullFaces);
   if (hull_ == hull && hullSplits_ == splits) return {};
   const auto level = hullAfter(*hull, splits);
@@ -250,7 +249,7 @@ Camera ClipMethod::fitted(const Camera& camera) const {
   return result;
 }
 
-/// Where winding numbers say nothing.
+/// Where winding numbers say nothing, or the hull has not come, or there is none.
 Result<void> ClipMethod::drawMesh(const DrawRequest& request, const gl::Target& picture) {
   const gl::Target::Options options{.size = request.fineSize(), .hasDepth = true};
   if (auto ok = tools_.fit(fine_, "the supersampled picture", options); !ok) return ok;
@@ -331,6 +330,7 @@ Result<bool> ClipMethod::drawClipped(
     const gl::Target& picture,
     FrameTimings& timings) {
   const auto failed = [](const Result<void>& result) { return tl::unexpected(result.error()); };
+  if (!request.snapshot.outerHull) return false;
   if (auto ok = uploadHull(request); !ok) return failed(ok);
   if (auto ok = uploadMap(request.snapshot.normalMap, 2, normals_); !ok) return failed(ok);
   if (auto ok = uploadMap(request.snapshot.colorMap, 3, colors_); !ok) return failed(ok);

@@ -203,6 +203,16 @@ def run(program, *arguments, expect=0):
     return done.stdout
 
 
+def wait_until(condition, what, seconds=DEADLINE_S):
+    """What the condition comes to, once that is something."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if found := condition():
+            return found
+        time.sleep(0.05)
+    raise AssertionError("waited in vain: " + what)
+
+
 def free_port():
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))

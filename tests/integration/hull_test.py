@@ -8,7 +8,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import png
-from harness import Case, Server, hills, read_ply, run, torus, write_painted
+from harness import Case, Proxy, Server, hills, read_ply, run, torus, wait_until, write_painted
 
 
 def volume(mesh):
@@ -96,14 +96,44 @@ class Hulls(Case):
                 _, _, rows = png.read(self.folder / "two.png")
                 self.assertGreater(len({bytes(row[x:x + 3]) for row in rows for x in range(0, len(row), 3)}), 50)
 
+    def picture(self, *source):
+        out, camera = self.folder / "picture.png", self.folder / "camera.json"
+        camera.write_text('{"eye": [1, -2, 6], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 40}')
+        run("limn-client", "render", *source, "--size", "96x96", "--until", "complete", "--out", out, "--camera-file",
+            camera)
+        return out.read_bytes()
+
     def test_an_open_mesh_says_why_it_has_no_hull(self):
         prepared, _ = self.prepare_shape("hills", hills(20, 20))
         self.assertIn("no hull, because the mesh is open", prepared["hull"]["reason"])
         with Server(self.store) as server:
             self.assertFalse(server.wait_for_model("hills")["has_hull"])
-            with self.assertRaisesRegex(AssertionError, "exit status 1(.|\n)*has no hull, because the mesh is open"):
-                run("limn-client", "render", "--server", server.url, "--model", "hills", "--dump-hull",
-                    self.folder / "hull.ply")
+            here = ("--server", server.url, "--model", "hills")
+            for needs in (("--dump-hull", self.folder / "hull.ply"), ("--contours", "server", "--draw", "clip", "--out", "-")):
+                with self.assertRaisesRegex(AssertionError, "exit status 1(.|\n)*has no hull, because the mesh is open"):
+                    run("limn-client", "render", *here, *needs)
+            whole = self.picture(*here, "--draw", "shaded")
+            self.assertEqual(self.picture(*here, "--draw", "clip"), whole)
+            asset = ("--asset", self.store / "assets" / prepared["asset"])
+            self.assertEqual(self.picture(*asset, "--draw", "clip"), whole)
+            self.prepare_shape("torus", torus(24, 12))
+            server.wait_for_model("torus")
+            self.picture(*here, "--with", "torus", "--draw", "clip")
+
+    def test_a_model_prepared_again_without_a_hull_is_drawn_without(self):
+        self.prepare_shape("shape", torus(96, 48, 0.3))
+        with Server(self.store) as server:
+            server.wait_for_model("shape")
+
+            def prepare_again():
+                self.prepare_shape("shape", hills(20, 20))
+                wait_until(lambda: not json.loads(server.get("/models")[1])[0]["has_hull"], "the model without a hull")
+
+            # Some of the hull has come when the line is cut.
+            with Proxy(server.port, 100_000, 20_000, prepare_again) as proxy:
+                clipped = self.picture("--server", proxy.url, "--model", "shape", "--draw", "clip")
+                self.assertEqual(len(proxy.received), 2, "the line was cut")
+            self.assertEqual(clipped, self.picture("--server", server.url, "--model", "shape", "--draw", "shaded"))
 
 
 if __name__ == "__main__":

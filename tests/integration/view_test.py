@@ -13,16 +13,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import png
-from harness import BIN, DEADLINE_S, Case, Server, hills, torus, write_obj
-
-
-def wait_for(condition, what, seconds=DEADLINE_S):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if found := condition():
-            return found
-        time.sleep(0.05)
-    raise AssertionError("waited in vain: " + what)
+from harness import BIN, DEADLINE_S, Case, Server, hills, torus, wait_until, write_obj
 
 
 class Window:
@@ -52,7 +43,7 @@ class Window:
             [str(BIN / "limn-client"), "view", *map(str, self.arguments), "--size", "800x600", "--save-to", self.folder,
              "--remember", self.folder / "memory.json", "--report", self.folder / "report.json"],
             env=self.environment, stderr=subprocess.PIPE, text=True)
-        self.window = wait_for(lambda: self.xdotool("search", "--name", "Limn"), "a window").split()[0]
+        self.window = wait_until(lambda: self.xdotool("search", "--name", "Limn"), "a window").split()[0]
 
     def __exit__(self, *_):
         for process in (self.client, self.display):
@@ -80,7 +71,7 @@ class Window:
         while not path.exists() and time.monotonic() < end:  # before the first picture there is nothing to save
             self.key("p" if suffix == ".png" else "v")
             with contextlib.suppress(AssertionError):
-                wait_for(path.exists, path.name, 5)
+                wait_until(path.exists, path.name, 5)
         self.last = path
         return path.read_bytes()
 
@@ -107,7 +98,7 @@ class View(Case):
         self.prepare_shape("one", torus(48, 24))
         self.prepare_shape("two", hills(20, 20))
         with Server(self.store) as server, Window(self.folder, "--server", server.url, "--model", "one") as window:
-            wait_for(lambda: "one" in window.xdotool("getwindowname", window.window), "the model")
+            wait_until(lambda: "one" in window.xdotool("getwindowname", window.window), "the model")
             first = window.picture(1)
             self.assertEqual(png.read(window.last)[:2], (800, 600))
             self.assertGreater(ink(window.last), 0.001)
@@ -122,7 +113,7 @@ class View(Case):
             window.key("r")
             window.drag(1, -80, 20)
             window.key("r")
-            recorded = wait_for(lambda: list(self.folder.glob("one-*-path.json")), "a camera path")[0]
+            recorded = wait_until(lambda: list(self.folder.glob("one-*-path.json")), "a camera path")[0]
             self.assertGreater(len(json.loads(recorded.read_text())), 1)
             self.draw(server.url, "one", "--path", recorded, "--frames", 3, "--out", self.folder / "r%d.png")
             self.assertNotEqual((self.folder / "r0.png").read_bytes(), (self.folder / "r2.png").read_bytes())
@@ -131,7 +122,7 @@ class View(Case):
             self.assertNotEqual(window.picture(5), first)
             self.assertIn(b"<svg", window.picture(1, ".svg"))
             window.key("n")
-            wait_for(lambda: "two" in window.xdotool("getwindowname", window.window), "the next model")
+            wait_until(lambda: "two" in window.xdotool("getwindowname", window.window), "the next model")
             window.picture(1, model="two")
             report = window.quit()
             self.assertEqual(report["model"], "two")
@@ -142,7 +133,7 @@ class View(Case):
         self.prepare_shape("one", torus(48, 24))
         self.prepare_shape("two", hills(20, 20))
         with Server(self.store) as server, Window(self.folder, "--server", server.url, "--model", "one") as window:
-            wait_for(lambda: "one" in window.xdotool("getwindowname", window.window), "the model")
+            wait_until(lambda: "one" in window.xdotool("getwindowname", window.window), "the model")
             window.picture(1)
             for key in ("F1", "F1", "n", "b", "s", "a", "s", "d", "w", "w", "x", "o", "l", "t", "m", "m", "h"):
                 window.key(key)
@@ -162,7 +153,7 @@ class View(Case):
     def test_a_lost_server_is_found_again(self):
         self.prepare_shape("one", torus(48, 24))
         with Server(self.store) as server, Window(self.folder, "--server", server.url) as window:
-            wait_for(lambda: "one" in window.xdotool("getwindowname", window.window), "the server's first model")
+            wait_until(lambda: "one" in window.xdotool("getwindowname", window.window), "the server's first model")
             window.picture(1)
             server.kill()
             window.drag(1, 80, 0)  # still answers
@@ -180,7 +171,7 @@ class View(Case):
     def test_a_mesh_file_is_shown(self):
         mesh = write_obj(self.folder / "mesh.obj", torus(24, 12))
         with Window(self.folder, "--mesh", mesh) as window:
-            wait_for(lambda: "mesh" in window.xdotool("getwindowname", window.window), "the mesh")
+            wait_until(lambda: "mesh" in window.xdotool("getwindowname", window.window), "the mesh")
             window.picture(1, model="mesh")
             self.assertGreater(ink(window.last), 0.001)
             window.quit()

@@ -45,8 +45,12 @@ TEST(SessionOptions, OnlyWhatIsDrawnIsAskedFor) {
   EXPECT_EQ(clip.outerHullFaces, 300U);
   EXPECT_EQ(clip.innerHullFaces, 0U);
   EXPECT_EQ(clip.maps, SessionMachine::Options::Maps::kWanted);
+  EXPECT_EQ(clip.hulls, SessionMachine::Options::Hulls::kWanted);
   options.dumpInnerHull = "inner.ply";
   EXPECT_EQ(sessionOptionsOf(server(), options).session.innerHullFaces, 300U);
+  EXPECT_EQ(
+      sessionOptionsOf(server(), options).session.hulls,
+      SessionMachine::Options::Hulls::kNeeded);
 }
 
 TEST(SessionOptions, TheServersContoursNeedTheBaseAndForStrokesTheInnerHull) {

@@ -536,6 +536,44 @@ TEST(SessionMachine, AViewThatWantsAHullAsksForItAndItsMapOnce) {
   EXPECT_EQ(bench.machine.phase(), Phase::kStreaming);
 }
 
+TEST(SessionMachine, AModelPreparedAgainWithoutHullsGoesOnWhereTheyAreNotNeeded) {
+  using Hulls = StreamOptions::Hulls;
+  auto message = protocol::decodeMessage(ball().info, protocol::Sender::kServer);
+  auto info = *message->as<protocol::ModelInfo>();
+  info.name = "ball";
+  info.asset[0] ^= 1;
+  info.hull = protocol::HullInfo{};
+  info.hull->reason = "the mesh is open";
+  const auto without = protocol::encodeMessage(info);
+  for (const Hulls hulls : {Hulls::kWanted, Hulls::kNeeded}) {
+    SessionMachine::Options options = Bench::options({}, "ball");
+    options.hulls = hulls;
+    Bench bench(options);
+    bench.open();
+    bench.say(protocol::Welcome{1, "server"});
+    bench.say(infoWithMap(std::vector<std::uint8_t>(300, 7)));
+    ClientView view;
+    view.hullFaces = 500;
+    bench.machine.setView(view, bench.now);
+    bench.collect();
+    EXPECT_EQ(bench.count<protocol::GetHull>(), 1);
+    bench.say(protocol::Failure{protocol::WireError::kStale, 0, "prepared again", 0});
+    bench.say(without);
+    EXPECT_EQ(bench.count<protocol::GetHull>(), 1);
+    if (hulls == Hulls::kNeeded) {
+      ASSERT_EQ(bench.machine.phase(), Phase::kFailed);
+      EXPECT_EQ(bench.machine.failure()->message, "'ball' has no hull, because the mesh is open");
+      continue;
+    }
+    ASSERT_EQ(bench.machine.phase(), Phase::kStreaming);
+    bench.say(ball().base);
+    EXPECT_TRUE(bench.machine.hasReached(MeshState::kBase));
+    view.hullFaces = 700;
+    bench.machine.setView(view, bench.now);
+    EXPECT_EQ(bench.machine.phase(), Phase::kStreaming);
+  }
+}
+
 TEST(SessionMachine, AMapThatTheCacheHasIsNotAskedForAndADamagedOneIs) {
   const std::vector<std::uint8_t> png(300, 7);
   const auto cache = std::make_shared<RememberedSections>();
