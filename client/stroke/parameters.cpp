@@ -8,6 +8,10 @@
 namespace limn {
 namespace {
 
+/// Loops are stretched to whole periods by no more than this factor; a smaller one has a seam
+/// instead, since a texture squeezed into it would be a blur, and its dashes dots.
+constexpr float kMostStretch = 1.5F;
+
 /// Where in the texture a line starts, 0 … 1: every line differently, the same one in every frame.
 float startOf(const glm::vec3& p) {
   std::uint32_t hash = 2166136261U;
@@ -34,7 +38,8 @@ void freshParameters(
     const float start = periodPx * startOf(lines.points[lines.lines[spine.line].begin]);
     float scale = 1.0F;
     if (spine.closed && length > 0.0F) {
-      scale = std::max(1.0F, std::round(length / periodPx)) * periodPx / length;
+      const float whole = std::max(1.0F, std::round(length / periodPx)) * periodPx / length;
+      if (whole < kMostStretch) scale = whole;
     }
     for (std::uint32_t i = spine.begin; i < spine.end; ++i) {
       out.from[i] = start + scale * arcs.arc[i];

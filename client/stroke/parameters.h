@@ -18,7 +18,7 @@ struct SpineParameters {
 
 /// Parameters from nothing but the frame itself: each line starts at its own place in the texture
 /// (a hash of its first point), and a closed line's parameter is stretched to a whole number of
-/// periods. periodPx: of the textures. Cost: O(points).
+/// periods, where that is by little. periodPx: of the textures. Cost: O(points).
 void freshParameters(
     const SpineSet& spines,
     const SpineArcs& arcs,

@@ -155,6 +155,26 @@ TEST(CoherentParameters, AnotherTextureSizeFitsLoopsAnewWhereTheCameraIsStill) {
   EXPECT_GT(loops, 0);
 }
 
+TEST(CoherentParameters, ATextureIsNotSqueezedIntoASmallLoop) {
+  Film film(primitives::bumpySphere(4, 3));
+  film.setTextureLength(3000.0F);
+  StrokeBuilder builder;
+  const Film::Frame frame = film.shoot(30.0, builder);
+  int small = 0;
+  for (const SpineSet::Spine& spine : frame.spines.spines) {
+    float length = 0.0F;
+    for (std::uint32_t i = spine.begin; i < spine.end; ++i) {
+      const std::uint32_t next = i + 1 < spine.end ? i + 1 : spine.begin;
+      length += glm::distance(frame.spines.points[i], frame.spines.points[next]);
+    }
+    if (!spine.closed || length > 0.5F * film.period()) continue;
+    const float around = frame.parameters.to[spine.end - 1] - frame.parameters.from[spine.begin];
+    EXPECT_NEAR(around / length, 1.0F, 1e-3F);
+    ++small;
+  }
+  EXPECT_GT(small, 0);
+}
+
 TEST(CoherentParameters, ComingBackAfterAFewFramesFindsTheParametersNearWhereTheyWere) {
   Film film(primitives::bumpySphere(4, 3));
   StrokeBuilder builder;

@@ -256,7 +256,7 @@ TEST(Tessellate, AStraightStrokeHasExactlyItsWidth) {
 }
 
 TEST(Tessellate, ALoopsTextureClosesAfterAWholeNumberOfRepeats) {
-  for (const float radius : {5.0F, 37.0F, 80.0F}) {
+  for (const float radius : {8.0F, 37.0F, 80.0F}) {
     const Drawn d = drawn(circle(radius, 90), true);
     StrokeStyle style = plainStyle();
     style.visible.lengthPx = 70.0F;
