@@ -12,6 +12,9 @@ namespace {
 constexpr float kStepPx = 2.0F;
 /// A bump's contour and the outline that it interrupts lie within this of one another.
 constexpr float kReachPx = 2.5F;
+/// A bump's contour that lies farther than this inside of what the outline bounds leaves the
+/// outline to be seen, and would double it.
+constexpr float kInsidePx = 0.75F;
 /// Outlines farther behind are no bump's, but what lies at its place behind the model.
 constexpr float kHighestPx = 24.0F;
 constexpr float kCellPx = 8.0F;
@@ -148,6 +151,8 @@ std::vector<float> coveredLengths(
         if (glm::dot(away, away) > kReachPx * kReachPx) return;
         // Outlines have what they bound to their left: the bump bounds it to the same side.
         if (!(glm::dot(place.step.along, step.along) > 0.0F)) return;
+        const glm::vec2 inside(step.along.y, -step.along.x);
+        if (glm::dot(away, inside) > kInsidePx * glm::length(inside)) return;
         const float distance = viewDistance(camera, step.depth);
         const float behind = (distance - viewDistance(camera, place.step.depth)) *
                              pixelsPerUnit(camera, viewport, distance);

@@ -173,10 +173,12 @@ TEST(Strokes, ABumpThatTakesALongOutlinesPlaceDoesNotFade) {
     return fades[1].visible;
   };
   EXPECT_EQ(fadeOf(0.495F, {}, false), 1.0F);
-  EXPECT_EQ(fadeOf(0.505F, {}, false), 0.0F);            // behind the outline
-  EXPECT_EQ(fadeOf(0.4F, {}, false), 0.0F);              // far before it
-  EXPECT_EQ(fadeOf(0.495F, {0.0F, 9.0F}, false), 0.0F);  // beside it
-  EXPECT_EQ(fadeOf(0.495F, {}, true), 0.0F);             // bounding the other side there
+  EXPECT_EQ(fadeOf(0.505F, {}, false), 0.0F);             // behind the outline
+  EXPECT_EQ(fadeOf(0.4F, {}, false), 0.0F);               // far before it
+  EXPECT_EQ(fadeOf(0.495F, {0.0F, 9.0F}, false), 0.0F);   // beside it
+  EXPECT_EQ(fadeOf(0.495F, {0.0F, -2.0F}, false), 0.0F);  // inside: it is to be seen as well
+  EXPECT_EQ(fadeOf(0.495F, {0.0F, 2.0F}, false), 1.0F);   // it stands out over it
+  EXPECT_EQ(fadeOf(0.495F, {}, true), 0.0F);              // bounding the other side there
 }
 
 TEST(Tessellate, EveryPointNearTheSpineIsCoveredHoweverSharpTheTurns) {
