@@ -48,6 +48,11 @@ Crowding crowdingOfVisible(float density, float widthPx) {
       std::clamp(share / kLeastWidth, kLeastOpacity, 1.0F)};
 }
 
+Crowding faded(Crowding crowding, float fade) {
+  const float width = crowding.width * fade;
+  return {std::max(width, kLeastWidth), crowding.opacity * std::min(width / kLeastWidth, 1.0F)};
+}
+
 Crowding crowdingOfHidden(float density, float widthPx) {
   const float few = kPaleFrom / std::max(density * widthPx, 1e-6F);
   return {1.0F, std::clamp(few * std::sqrt(few), kPalest, 1.0F)};

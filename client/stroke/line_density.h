@@ -60,7 +60,11 @@ struct Crowding {
 /// Of a visible stroke that would be widthPx wide, where visible lines lie so dense.
 [[nodiscard]] Crowding crowdingOfVisible(float density, float widthPx);
 
-/// The same of a hidden one among hidden ones: it keeps its width.
+/// What is left of that where the stroke fades, from 1 (not) to 0: pens have no grey, so it thins
+/// out as well, and pales only from kLeastWidth down.
+[[nodiscard]] Crowding faded(Crowding crowding, float fade);
+
+/// The same as crowdingOfVisible of a hidden one among hidden ones: it keeps its width.
 [[nodiscard]] Crowding crowdingOfHidden(float density, float widthPx);
 
 }  // namespace limn

@@ -23,9 +23,9 @@ struct StrokeVertex {
   float sample = 0.0F;       // coordinate of the spine there among SpineSamples
   float visibleU = 0.0F;     // repeats of the visible texture since the line's start
   float hiddenU = 0.0F;      // the same of the hidden one
-  float visibleFade = 1.0F;  // opacity of the visible parts
-  float hiddenFade = 1.0F;
-  float margin = 0.0F;  // half the strip's width here, in pixels
+  float visibleFade = 1.0F;  // of the visible parts: thinner, then paler (line_density.h)
+  float hiddenFade = 1.0F;   // opacity of the hidden parts
+  float margin = 0.0F;       // half the strip's width here, in pixels
 };
 
 static_assert(sizeof(StrokeVertex) == 9 * sizeof(float));

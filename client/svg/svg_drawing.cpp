@@ -277,17 +277,21 @@ std::string svgDrawing(
       for (const VisibleRun& run : runs) {
         if (run.visible != visible || spines.spines[run.spine].kind != kind.kind) continue;
         const bool isVisible = visible || options.hiddenAsVisible;
-        const LineFade& fade = fades[run.spine];
-        const float strength =
-            (isVisible ? fade.visible : fade.hidden) * meanStrength(lines, spines, run.spine);
-        if (strength < kFaintest) continue;
+        const float fade = isVisible ? fades[run.spine].visible : fades[run.spine].hidden;
+        const float strength = meanStrength(lines, spines, run.spine);
+        if (fade * strength < kFaintest) continue;
         if (isEmpty) out += layerHead(kind, visible, pen, style);
         isEmpty = false;
         const PathEnds ends = run.closed ? PathEnds::kClosed : PathEnds::kOpen;
         const float usual = widthOf(kind.kind, pen, style);
         const float width =
             usual * meanWidthFactor(spines, run.spine, scene.camera, options.widthFalloff);
-        const Crowding crowding = crowdingOf(run, isVisible, density, isVisible ? width : usual);
+        Crowding crowding = crowdingOf(run, isVisible, density, isVisible ? width : usual);
+        if (isVisible) {
+          crowding = faded(crowding, fade);
+        } else {
+          crowding.opacity *= fade;
+        }
         const float opacity = strength * crowding.opacity;
         out += "<path";
         if (std::abs(width * crowding.width - usual) > 0.05F * usual)

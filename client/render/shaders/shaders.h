@@ -191,8 +191,8 @@ out vec2 density;
 void main() { density = count; }
 )";
 
-/// Strips on their way to the picture; what crowds is thinner or paler: see line_density.cpp, which
-/// does the same operations.
+/// Strips on their way to the picture; what crowds or fades is thinner or paler: see
+/// line_density.cpp, which does the same operations.
 inline constexpr std::string_view kStrokeVertex = R"(#version 300 es
 precision highp float;
 precision highp int;
@@ -232,12 +232,14 @@ void main() {
   vec2 density = densityAt(position);
   float others = max(density.r - 0.5 / cellPx, 1e-6);
   float share = crowding.x / (others * max(2.0 * margin * inkShare, 1e-3));
-  widthShare = clamp(share, crowding.y, 1.0);
+  float full = clamp(share, crowding.y, 1.0) * fades.x;
+  widthShare = max(full, crowding.y);
   float few = paling.x / max(density.g * inkPx, 1e-6);
   float pale = clamp(few * sqrt(few), paling.y, 1.0);
   spine = place;
   along = repeats;
-  opacity = fades * vec2(clamp(share / crowding.y, crowding.z, 1.0), pale);
+  float faded = min(full / crowding.y, 1.0);
+  opacity = vec2(clamp(share / crowding.y, crowding.z, 1.0) * faded, fades.y * pale);
   halfWidth = margin * widthShare;
   vec2 ndc = 2.0 * position / pictureSize - 1.0;
   gl_Position = vec4(ndc.x, -ndc.y, 0.0, 1.0);

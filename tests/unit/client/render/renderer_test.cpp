@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <utility>
 
 namespace limn {
 namespace {
@@ -159,29 +160,36 @@ TEST_P(RendererOn, CrowdedHiddenLinesAreMuchPalerThanFew) {
   EXPECT_LT(2 * darkest(60), alone);
 }
 
+/// Adds a straight line in front of everything. from, to: pixels.
+void addInFront(
+    const MeshSnapshot& snapshot,
+    const Camera& camera,
+    const Viewport& viewport,
+    const glm::vec2& from,
+    const glm::vec2& to,
+    PolylineSet& lines) {
+  const glm::dmat4 worldFromClip = glm::inverse(camera.clipFromWorld(viewport.aspect()));
+  const auto begin = static_cast<std::uint32_t>(lines.points.size());
+  for (const glm::dvec2 p : {from, to}) {
+    const glm::dvec4 world =
+        worldFromClip *
+        glm::dvec4(2.0 * p.x / viewport.width - 1.0, 1.0 - 2.0 * p.y / viewport.height, -0.9, 1.0);
+    lines.points.push_back(snapshot.model.grid.fromModel(glm::dvec3(world) / world.w));
+    lines.halfEdges.push_back(kNone);
+    lines.faces.push_back(kNone);
+  }
+  lines.lines.push_back({LineKind::kBorder, false, begin, begin + 2});
+}
+
 /// Mean darkness of the picture's middle, from upright lines in front of everything.
 double toneOfLines(Renderer& renderer, float spacingPx, const RenderOptions& options) {
   const MeshSnapshot cube = snapshotOf(primitives::cube());
   const Camera camera = orbitCamera(cube.model.sphere, 0, 0);
   const Viewport& viewport = options.viewport;
-  const glm::dmat4 worldFromClip = glm::inverse(camera.clipFromWorld(viewport.aspect()));
-  const auto at = [&](float x, float y) {
-    const glm::dvec4 world =
-        worldFromClip *
-        glm::dvec4(2.0 * x / viewport.width - 1.0, 1.0 - 2.0 * y / viewport.height, -0.9, 1.0);
-    return glm::vec3(cube.model.grid.fromModel(glm::dvec3(world) / world.w));
-  };
   const auto width = static_cast<float>(viewport.width);
   PolylineSet lines;
-  for (float x = 0.2F * width; x < 0.8F * width; x += spacingPx) {
-    const auto begin = static_cast<std::uint32_t>(lines.points.size());
-    for (const float y : {0.1F, 0.9F}) {
-      lines.points.push_back(at(x, y * width));
-      lines.halfEdges.push_back(kNone);
-      lines.faces.push_back(kNone);
-    }
-    lines.lines.push_back({LineKind::kBorder, false, begin, begin + 2});
-  }
+  for (float x = 0.2F * width; x < 0.8F * width; x += spacingPx)
+    addInFront(cube, camera, viewport, {x, 0.1F * width}, {x, 0.9F * width}, lines);
   const auto frame = renderer.render(cube, lines, camera, options);
   EXPECT_TRUE(frame);
   if (!frame) return 0.0;
@@ -204,6 +212,33 @@ TEST_P(RendererOn, VisibleLinesThatCrowdLeavePaperBetweenThem) {
   EXPECT_NEAR(few / black, 2.6 / 20.0, 0.03);
   for (const float spacing : {4.0F, 3.0F, 2.2F})
     EXPECT_LT(toneOfLines(*renderer, spacing, inkAt(256)) / black, 0.65) << spacing;
+}
+
+TEST_P(RendererOn, ALineThatFadesIsThinnerAndNotPaler) {
+  auto renderer = makeRenderer(GetParam());
+  ASSERT_TRUE(renderer);
+  const MeshSnapshot cube = snapshotOf(primitives::cube());
+  const Camera camera = orbitCamera(cube.model.sphere, 0, 0);
+  const RenderOptions options = inkAt(512);
+  PolylineSet lines;
+  addInFront(cube, camera, options.viewport, {100.5F, 40.0F}, {100.5F, 470.0F}, lines);
+  addInFront(cube, camera, options.viewport, {300.5F, 200.0F}, {300.5F, 215.0F}, lines);
+  const auto frame = renderer->render(cube, lines, camera, options);
+  ASSERT_TRUE(frame) << frame.error().message;
+  // Across the middle of the short one: how dark it is, and how wide at that darkness.
+  const auto across = [&](int x) {
+    int darkest = 0;
+    int ink = 0;
+    for (int i = x - 6; i <= x + 6; ++i) {
+      ink += darkness(frame->image, i, 207);
+      darkest = std::max(darkest, darkness(frame->image, i, 207));
+    }
+    return std::pair(darkest, static_cast<double>(ink) / darkest);
+  };
+  const auto [fullDarkness, fullWidth] = across(100);
+  const auto [darkness, width] = across(300);
+  EXPECT_GT(darkness, fullDarkness / 2);
+  EXPECT_LT(width, 0.75 * fullWidth);
 }
 
 TEST_P(RendererOn, ACoarsePictureThatIsEnlargedHasTheSameStrokes) {

@@ -55,6 +55,19 @@ TEST(LineDensity, ALineByItselfKeepsItsWidthAndManyDoNotMerge) {
   EXPECT_EQ(solid.opacity, kLeastOpacity);
 }
 
+TEST(LineDensity, AFadingStrokeThinsBeforeItPales) {
+  const Crowding half = faded({}, 0.5F);
+  EXPECT_EQ(half.width, 0.5F);
+  EXPECT_EQ(half.opacity, 1.0F);
+  const Crowding little = faded({}, 0.5F * kLeastWidth);
+  EXPECT_EQ(little.width, kLeastWidth);
+  EXPECT_FLOAT_EQ(little.opacity, 0.5F);
+  EXPECT_EQ(faded({}, 0.0F).opacity, 0.0F);
+  const Crowding crowded = crowdingOfVisible(0.8F, 2.6F);
+  EXPECT_EQ(faded(crowded, 1.0F).width, crowded.width);
+  EXPECT_EQ(faded(crowded, 1.0F).opacity, crowded.opacity);
+}
+
 TEST(LineDensity, ManyHiddenLinesArePalerTogetherThanFew) {
   float before = 1e9F;
   for (const float density : {0.1F, 0.2F, 0.4F, 0.5F}) {

@@ -132,6 +132,33 @@ TEST(SvgDrawing, DashesGoOnWhereALineComesOutAgain) {
   EXPECT_GT(checked, 2U);
 }
 
+TEST(SvgDrawing, AShortLineIsThinnerAndNotPaler) {
+  // A border over the whole model, and one too short to be drawn in full.
+  const Drawn drawn;
+  const auto largest = [](const glm::ivec3& a, const glm::ivec3& b) { return a.x < b.x; };
+  const std::vector<glm::ivec3>& corners = drawn.shape.positions;
+  const glm::vec3 from(*std::min_element(corners.begin(), corners.end(), largest));
+  const float length =
+      glm::distance(from, glm::vec3(*std::max_element(corners.begin(), corners.end(), largest)));
+  PolylineSet lines;
+  lines.points = {from, from + glm::vec3(length, 0.0F, 0.0F)};
+  const glm::vec3 beside = from + glm::vec3(0.5F * length, 0.1F * length, 0.0F);
+  lines.points.insert(
+      lines.points.end(),
+      {beside, beside + glm::vec3(0.0F, 0.025F * length, 0.0F)});
+  lines.halfEdges.assign(4, kNone);
+  lines.faces.assign(4, kNone);
+  lines.lines = {{LineKind::kBorder, false, 0, 2}, {LineKind::kBorder, false, 2, 4}};
+  ResolvedLines resolved;
+  resolved.pieces.assign(2, {1.0F, true});
+  resolved.begin = {0, 1, 1, 2, 2};
+  const std::string svg = svgDrawing(lines, resolved, drawn.scene(), StrokeStyle{}, options());
+  const std::size_t path = svg.rfind("<path");
+  EXPECT_NE(path, svg.find("<path"));
+  EXPECT_LT(numberOf(svg, "stroke-width", path), 0.95 * options().visible.widthPx);
+  EXPECT_EQ(svg.find(" opacity=", path), std::string::npos);
+}
+
 TEST(SvgDrawing, ADrawingOfNothingIsStillADocument) {
   const Drawn drawn;
   ResolvedLines nothing;
