@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/mesh/cracks.h"
 
+#include "shared/mesh/segment_cells.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <utility>
+#include <optional>
 
 namespace limn {
 namespace {
@@ -14,17 +16,12 @@ namespace {
 constexpr std::array<double, 3> kPlaces = {0.2, 0.5, 0.8};
 /// Sides whose normals differ by more lie back to back.
 constexpr double kBackToBackDegrees = 150.0;
-/// Cells that one edge is entered in, at most: longer steps leave gaps that only miss cracks.
-constexpr int kMostCells = 64;
-
 /// Borders that lie along one another over less than this (grid units) only touch at their ends.
 constexpr double kLeastPart = 0.25;
 
 /// A border edge with its face.
-struct Border {
+struct Border : Segment {
   HalfEdgeId edge = kNone;
-  glm::dvec3 from{0.0};
-  glm::dvec3 along{0.0};
   double length = 0.0;
   glm::dvec3 normal{0.0};   // unit
   glm::dvec3 inwards{0.0};  // unit, in the face, across the edge
@@ -48,10 +45,15 @@ class CrackSearch {
     out.across.assign(mesh_.origins.size(), kNone);
     collect();
     if (borders_.empty()) return out;
-    enter();
-    std::vector<Side> sides;
+    std::vector<Segment> segments;
+    segments.reserve(borders_.size());
+    for (const Border& border : borders_)
+      segments.push_back(border);
+    const SegmentCells cells(segments, options_.widest);
+    cells_ = &cells;
+    std::vector<Side> sides(borders_.size());
     for (std::uint32_t i = 0; i < borders_.size(); ++i)
-      sides.push_back(sideOf(i, [](std::uint32_t) { return true; }));
+      sides[i] = sideOf(i, [](std::uint32_t) { return true; });
     for (std::uint32_t i = 0; i < borders_.size(); ++i) {
       Side side = sides[i];
       // Of the borders along one crease the longest ones stay.
@@ -66,6 +68,7 @@ class CrackSearch {
       if (side.crack == Crack::kCrease)
         out.across[borders_[i].edge] = HalfEdgeMesh::face(borders_[side.border].edge);
     }
+    seenBy_.assign(borders_.size(), kNone);
     for (std::uint32_t i = 0; i < borders_.size(); ++i) {
       if (out.kinds[borders_[i].edge] == Crack::kInvisible) appendParts(i, out);
     }
@@ -74,7 +77,6 @@ class CrackSearch {
 
  private:
   void collect() {
-    double sum = 0.0;
     for (HalfEdgeId h = 0; h < mesh_.origins.size(); ++h) {
       if (mesh_.twin(h) != kNone) continue;
       Border border;
@@ -88,35 +90,8 @@ class CrackSearch {
       border.normal = across / area;
       border.inwards = glm::normalize(glm::cross(border.normal, border.along));
       border.length = glm::length(border.along);
-      sum += border.length;
       borders_.push_back(border);
     }
-    if (!borders_.empty())
-      cell_ = std::max(sum / static_cast<double>(borders_.size()), 4.0 * options_.widest);
-  }
-
-  [[nodiscard]] std::uint64_t cellOf(const glm::dvec3& p) const {
-    const glm::i64vec3 c(glm::floor(p / cell_));
-    return static_cast<std::uint64_t>(c.x) * 0x9E3779B97F4A7C15ULL ^
-           static_cast<std::uint64_t>(c.y) * 0xC2B2AE3D27D4EB4FULL ^
-           static_cast<std::uint64_t>(c.z) * 0x165667B19E3779F9ULL;
-  }
-
-  /// visit(place) along a border, two in every cell.
-  template <class Visit>
-  void walk(const Border& border, Visit visit) const {
-    const int steps =
-        std::clamp(static_cast<int>(std::ceil(2.0 * border.length / cell_)), 1, kMostCells);
-    for (int k = 0; k <= steps; ++k)
-      visit(border.from + border.along * (double(k) / steps));
-  }
-
-  /// Enters every border in the cells along it.
-  void enter() {
-    for (std::uint32_t i = 0; i < borders_.size(); ++i)
-      walk(borders_[i], [&](const glm::dvec3& p) { entries_.emplace_back(cellOf(p), i); });
-    std::sort(entries_.begin(), entries_.end());
-    entries_.erase(std::unique(entries_.begin(), entries_.end()), entries_.end());
   }
 
   /// What is on the other side of a border: which other one, if any.
@@ -138,76 +113,61 @@ class CrackSearch {
     return whole;
   }
 
-  /// How the surface goes on at p, a place on border `self`: smoothly, if on any other's face.
+  /// How the surface goes on at p, a place on border `self`: smoothly, if on any other's face. Of
+  /// several alike: the first that it goes on smoothly to, the last at an angle.
   template <class Counts>
   [[nodiscard]] Side sideAt(std::uint32_t self, const glm::dvec3& p, Counts counts) const {
     Side best;
-    forNear(p, [&](std::uint32_t other) {
-      if (other == self || !counts(other)) return true;
+    for (const std::uint32_t other : cells_->near(p)) {
+      if (other == self || !counts(other)) continue;
       const Crack crack = crackTo(borders_[self], borders_[other], p);
-      if (crack != Crack::kNot) best = {crack, other};
-      return crack != Crack::kInvisible;
-    });
+      if (crack == Crack::kInvisible) return {crack, other};
+      if (crack == Crack::kCrease) best = {crack, other};
+    }
     return best;
   }
 
-  /// visit(border) for all in the cells around p, while it says true.
-  template <class Visit>
-  void forNear(const glm::dvec3& p, Visit visit) const {
-    for (int dx = -1; dx <= 1; ++dx) {
-      for (int dy = -1; dy <= 1; ++dy) {
-        for (int dz = -1; dz <= 1; ++dz) {
-          const std::uint64_t cell = cellOf(p + cell_ * glm::dvec3(dx, dy, dz));
-          auto entry = std::lower_bound(
-              entries_.begin(),
-              entries_.end(),
-              std::pair<std::uint64_t, std::uint32_t>(cell, 0));
-          for (; entry != entries_.end() && entry->first == cell; ++entry) {
-            if (!visit(entry->second)) return;
-          }
-        }
-      }
-    }
+  /// Where others lie along border `self` and its surface goes on smoothly on theirs; in their
+  /// order.
+  void appendParts(std::uint32_t self, Cracks& out) {
+    const auto begin = static_cast<std::ptrdiff_t>(out.parts.size());
+    cells_->visitNear(borders_[self], [&](std::uint32_t other) {
+      if (other == self || seenBy_[other] == self) return;
+      seenBy_[other] = self;
+      if (out.kinds[borders_[other].edge] != Crack::kInvisible) return;
+      if (const auto part = partBetween(borders_[self], borders_[other]))
+        out.parts.push_back(*part);
+    });
+    std::sort(
+        out.parts.begin() + begin,
+        out.parts.end(),
+        [](const CrackPart& a, const CrackPart& b) { return a.there < b.there; });
   }
 
-  /// Where others lie along border `self` and its surface goes on smoothly on theirs.
-  void appendParts(std::uint32_t self, Cracks& out) {
-    const Border& here = borders_[self];
-    others_.clear();
-    walk(here, [&](const glm::dvec3& p) {
-      forNear(p, [&](std::uint32_t other) {
-        if (other != self && out.kinds[borders_[other].edge] == Crack::kInvisible)
-          others_.push_back(other);
-        return true;
-      });
-    });
-    std::sort(others_.begin(), others_.end());
-    others_.erase(std::unique(others_.begin(), others_.end()), others_.end());
+  [[nodiscard]] std::optional<CrackPart> partBetween(const Border& here, const Border& there)
+      const {
     const auto shareOf = [](const Border& border, const glm::dvec3& p) {
       return glm::dot(p - border.from, border.along) / (border.length * border.length);
     };
-    for (const std::uint32_t other : others_) {
-      const Border& there = borders_[other];
-      // Borders that meet run against one another, as their faces lie on either side.
-      const double begin = std::max(0.0, shareOf(here, there.from + there.along));
-      const double end = std::min(1.0, shareOf(here, there.from));
-      if (!((end - begin) * here.length > kLeastPart)) continue;
-      const auto placeAt = [&](double t) { return here.from + t * here.along; };
-      if (crackTo(here, there, placeAt(begin)) != Crack::kInvisible ||
-          crackTo(here, there, placeAt(end)) != Crack::kInvisible) {
-        continue;
-      }
-      const auto shareThere = [&](double t) {
-        return static_cast<float>(std::clamp(shareOf(there, placeAt(t)), 0.0, 1.0));
-      };
-      out.parts.push_back(
-          {here.edge,
-           there.edge,
-           static_cast<float>(begin),
-           static_cast<float>(end),
-           shareThere(begin),
-           shareThere(end)});
+    // Borders that meet run against one another, as their faces lie on either side.
+    const double begin = std::max(0.0, shareOf(here, there.from + there.along));
+    const double end = std::min(1.0, shareOf(here, there.from));
+    if (!((end - begin) * here.length > kLeastPart)) return std::nullopt;
+    const auto placeAt = [&](double t) { return here.from + t * here.along; };
+    if (crackTo(here, there, placeAt(begin)) != Crack::kInvisible ||
+        crackTo(here, there, placeAt(end)) != Crack::kInvisible) {
+      return std::nullopt;
     }
+    const auto shareThere = [&](double t) {
+      return static_cast<float>(std::clamp(shareOf(there, placeAt(t)), 0.0, 1.0));
+    };
+    return CrackPart{
+        here.edge,
+        there.edge,
+        static_cast<float>(begin),
+        static_cast<float>(end),
+        shareThere(begin),
+        shareThere(end)};
   }
 
   [[nodiscard]] Crack crackTo(const Border& here, const Border& there, const glm::dvec3& p) const {
@@ -229,10 +189,9 @@ class CrackSearch {
   CrackOptions options_;
   double cosine_;
   double backToBack_;
-  double cell_ = 1.0;
   std::vector<Border> borders_;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> entries_;  // cell, border; sorted
-  std::vector<std::uint32_t> others_;                             // of one border
+  const SegmentCells* cells_ = nullptr;  // of borders_
+  std::vector<std::uint32_t> seenBy_;    // of a border: the last one whose parts it was tried for
 };
 
 }  // namespace

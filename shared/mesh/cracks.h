@@ -45,8 +45,9 @@ struct CrackOptions {
 /// Finds borders that are none to look at: the surface goes on across them, on faces that were not
 /// joined (a corner on the middle of another's edge, places a rounding apart), as machine parts
 /// often come. A crack is one over its whole length. Two sheets back to back
-/// have borders. Cost: O(faces) to find the borders, then O(borders) unless very many lie in one
-/// place. Threads: reentrant.
+/// have borders. Where several meet along a crease, `across` is of one of them.
+/// Cost: O(faces) to find the borders, then O(borders) unless very many lie in one place.
+/// Threads: reentrant.
 [[nodiscard]] Cracks findCracks(
     const HalfEdgeMesh& mesh,
     std::span<const glm::ivec3> positions,
