@@ -4,6 +4,7 @@
 #include "client/stroke/clip_segment.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace limn {
@@ -15,6 +16,9 @@ constexpr double kEnd = 1e-6;
 
 /// How much nearer (window depth) an edge must be to lie before a line, and not on it.
 constexpr double kBefore = 1e-11;
+
+/// Entries of a cell that are looked at before any that is near.
+constexpr std::uint32_t kAtOnce = 32;
 
 double cross2(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
@@ -43,8 +47,8 @@ void LineCrossings::addEdge(const glm::dvec4& a, const glm::dvec4& b, Surface si
 
 template <class Visit>
 void LineCrossings::forCells(const glm::dvec2& a, const glm::dvec2& b, Visit visit) const {
-  const glm::dvec2 from = (a - low_) / cellPx_;
-  const glm::dvec2 to = (b - low_) / cellPx_;
+  const glm::dvec2 from = (a - low_) * cellsPerPx_;
+  const glm::dvec2 to = (b - low_) * cellsPerPx_;
   const auto row = [&](double y) { return std::clamp(static_cast<int>(y), 0, rows_ - 1); };
   const auto column = [&](double x) { return std::clamp(static_cast<int>(x), 0, columns_ - 1); };
   const int firstRow = row(std::min(from.y, to.y));
@@ -70,8 +74,7 @@ void LineCrossings::forCells(const glm::dvec2& a, const glm::dvec2& b, Visit vis
   }
 }
 
-LineCrossings::Entry
-LineCrossings::entryOf(const glm::dvec3& a, const glm::dvec3& b, std::uint32_t edge) {
+LineCrossings::Box LineCrossings::boxAround(const glm::dvec3& a, const glm::dvec3& b) {
   // A little larger makes up for rounding to floats.
   const double pad =
       1e-6 * (1.0 + std::max({std::abs(a.x), std::abs(b.x), std::abs(a.y), std::abs(b.y)}));
@@ -79,9 +82,7 @@ LineCrossings::entryOf(const glm::dvec3& a, const glm::dvec3& b, std::uint32_t e
       static_cast<float>(std::min(a.x, b.x) - pad),
       static_cast<float>(std::max(a.x, b.x) + pad),
       static_cast<float>(std::min(a.y, b.y) - pad),
-      static_cast<float>(std::max(a.y, b.y) + pad),
-      static_cast<float>(std::min(a.z, b.z) - 1e-6),
-      edge};
+      static_cast<float>(std::max(a.y, b.y) + pad)};
 }
 
 void LineCrossings::build() {
@@ -89,21 +90,28 @@ void LineCrossings::build() {
   const glm::dvec2 extent =
       (1.0 + 2.0 * kSpineMargin) * glm::dvec2(viewport_.width, viewport_.height);
   const double cells = std::clamp(8.0 * static_cast<double>(edges_.size()), 4e3, 2.5e5);
-  cellPx_ = std::max(1.0, std::sqrt(extent.x * extent.y / cells));
-  columns_ = std::max(1, static_cast<int>(std::ceil(extent.x / cellPx_)));
-  rows_ = std::max(1, static_cast<int>(std::ceil(extent.y / cellPx_)));
+  const double cellPx = std::max(1.0, std::sqrt(extent.x * extent.y / cells));
+  cellsPerPx_ = 1.0 / cellPx;
+  columns_ = std::max(1, static_cast<int>(std::ceil(extent.x / cellPx)));
+  rows_ = std::max(1, static_cast<int>(std::ceil(extent.y / cellPx)));
+  // First how many, then where each cell ends; filling from the back leaves where it begins.
   cellBegin_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
-  for (const Edge& edge : edges_)
-    forCells(glm::dvec2(edge.a), glm::dvec2(edge.b), [&](std::uint32_t c) { ++cellBegin_[c + 1]; });
+  touches_.clear();
+  for (std::uint32_t i = 0; i < edges_.size(); ++i) {
+    forCells(glm::dvec2(edges_[i].a), glm::dvec2(edges_[i].b), [&](std::uint32_t cell) {
+      ++cellBegin_[cell];
+      touches_.push_back({cell, i});
+    });
+  }
   for (std::size_t c = 1; c < cellBegin_.size(); ++c)
     cellBegin_[c] += cellBegin_[c - 1];
-  cellEdges_.resize(cellBegin_.back());
-  place_.assign(cellBegin_.begin(), cellBegin_.end() - 1);
-  for (std::uint32_t i = 0; i < edges_.size(); ++i) {
-    const Entry entry = entryOf(edges_[i].a, edges_[i].b, i);
-    forCells(glm::dvec2(edges_[i].a), glm::dvec2(edges_[i].b), [&](std::uint32_t c) {
-      cellEdges_[place_[c]++] = entry;
-    });
+  cellEdges_.resize(touches_.size());
+  for (std::size_t i = touches_.size(); i-- > 0;) {
+    const Edge& edge = edges_[touches_[i].edge];
+    cellEdges_[--cellBegin_[touches_[i].cell]] = {
+        boxAround(edge.a, edge.b),
+        static_cast<float>(std::min(edge.a.z, edge.b.z) - 1e-6),
+        touches_[i].edge};
   }
 }
 
@@ -162,36 +170,56 @@ void LineCrossings::crossCells(
     std::vector<Crossing>& out) const {
   if (cellBegin_.empty()) return;
   const glm::dvec2 along(q - p);
-  const Entry own = entryOf(p, q, 0);
+  const Box own = boxAround(p, q);
+  const Box reach = {
+      own.lowX - reachPx,
+      own.highX + reachPx,
+      own.lowY - reachPx,
+      own.highY + reachPx};
   const auto farthest = static_cast<float>(std::max(p.z, q.z) + 1e-6);
+  const auto isNear = [&](const Entry& entry) {
+    // Which of these fails cannot be foretold: no branches.
+    return static_cast<std::uint32_t>(
+        static_cast<int>(entry.nearest <= farthest) &
+        static_cast<int>(entry.box.lowX <= reach.highX) &
+        static_cast<int>(entry.box.highX >= reach.lowX) &
+        static_cast<int>(entry.box.lowY <= reach.highY) &
+        static_cast<int>(entry.box.highY >= reach.lowY));
+  };
   const std::size_t before = out.size();
+  const auto meet = [&](std::uint32_t number) {
+    visitNear(number);
+    const Edge& edge = edges_[number];
+    const glm::dvec2 across(edge.b - edge.a);
+    const glm::dvec2 gap(edge.a - p);
+    const double det = cross2(along, across);
+    // Most edges are passed over before anything is divided.
+    const double sign = det < 0.0 ? -1.0 : 1.0;
+    const double size = sign * det;
+    const double sTimes = sign * cross2(gap, across);
+    const double uTimes = sign * cross2(gap, along);
+    if (!(sTimes > 0.0 && sTimes < size && uTimes >= 0.0 && uTimes <= size)) return;
+    const double s = sTimes / size;
+    const double u = uTimes / size;
+    if (!(s > kEnd && s < 1.0 - kEnd)) return;
+    const double depth = p.z + s * (q.z - p.z);
+    const double nearer = depth - (edge.a.z + u * (edge.b.z - edge.a.z));
+    if (!(nearer > kBefore)) return;
+    // Rows run down: det > 0 is towards the edge's left.
+    out.push_back(
+        {0.0, s, (det > 0.0) == (edge.side == Surface::kLeft), nearer, edge.face, number});
+  };
   forCells(glm::dvec2(p), glm::dvec2(q), [&](std::uint32_t cell) {
-    for (std::uint32_t k = cellBegin_[cell]; k < cellBegin_[cell + 1]; ++k) {
-      const Entry& entry = cellEdges_[k];
-      if (entry.nearest > farthest || entry.lowX > own.highX + reachPx ||
-          entry.highX < own.lowX - reachPx || entry.lowY > own.highY + reachPx ||
-          entry.highY < own.lowY - reachPx)
-        continue;
-      visitNear(entry.edge);
-      const Edge& edge = edges_[entry.edge];
-      const glm::dvec2 across(edge.b - edge.a);
-      const glm::dvec2 gap(edge.a - p);
-      const double det = cross2(along, across);
-      // Most edges are passed over before anything is divided.
-      const double sign = det < 0.0 ? -1.0 : 1.0;
-      const double size = sign * det;
-      const double sTimes = sign * cross2(gap, across);
-      const double uTimes = sign * cross2(gap, along);
-      if (!(sTimes > 0.0 && sTimes < size && uTimes >= 0.0 && uTimes <= size)) continue;
-      const double s = sTimes / size;
-      const double u = uTimes / size;
-      if (!(s > kEnd && s < 1.0 - kEnd)) continue;
-      const double depth = p.z + s * (q.z - p.z);
-      const double nearer = depth - (edge.a.z + u * (edge.b.z - edge.a.z));
-      if (!(nearer > kBefore)) continue;
-      // Rows run down: det > 0 is towards the edge's left.
-      out.push_back(
-          {0.0, s, (det > 0.0) == (edge.side == Surface::kLeft), nearer, edge.face, entry.edge});
+    std::array<std::uint32_t, kAtOnce> near;
+    const std::uint32_t end = cellBegin_[cell + 1];
+    for (std::uint32_t k = cellBegin_[cell]; k < end;) {
+      std::size_t count = 0;
+      for (const std::uint32_t stop = std::min(end, k + kAtOnce); k < stop; ++k) {
+        near[count] = cellEdges_[k].edge;
+        count += isNear(cellEdges_[k]);
+      }
+      for (std::size_t i = 0; i < count; ++i)
+        meet(near[i]);
     }
   });
   if (out.size() < before + 2) return;

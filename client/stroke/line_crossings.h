@@ -82,17 +82,28 @@ class LineCrossings {
     FaceId face;
   };
 
-  /// An edge as a cell has it: a box around it, so that most are passed over unseen.
-  struct Entry {
+  /// A box in the picture.
+  struct Box {
     float lowX;
     float highX;
     float lowY;
     float highY;
+  };
+
+  /// An edge as a cell has it: a box around it, so that most are passed over unseen.
+  struct Entry {
+    Box box;
     float nearest;  // least window depth
     std::uint32_t edge;
   };
 
-  [[nodiscard]] static Entry entryOf(const glm::dvec3& a, const glm::dvec3& b, std::uint32_t edge);
+  /// An edge's place in a cell.
+  struct Touch {
+    std::uint32_t cell;
+    std::uint32_t edge;
+  };
+
+  [[nodiscard]] static Box boxAround(const glm::dvec3& a, const glm::dvec3& b);
 
   template <class VisitNear>
   void crossCells(
@@ -108,13 +119,13 @@ class LineCrossings {
 
   Viewport viewport_;
   glm::dvec2 low_;  // pixel of the grid's corner
-  double cellPx_ = 8.0;
+  double cellsPerPx_ = 0.125;
   int columns_ = 1;
   int rows_ = 1;
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> cellBegin_;  // by cell, and one past the last: into cellEdges_
   std::vector<Entry> cellEdges_;
-  std::vector<std::uint32_t> place_;
+  std::vector<Touch> touches_;
 };
 
 }  // namespace limn

@@ -2,6 +2,7 @@
 #include "client/stroke/spine_samples.h"
 
 #include "client/stroke/clip_segment.h"
+#include "client/stroke/prefetch_faces.h"
 #include "client/stroke/segment_facts.h"
 
 #include <algorithm>
@@ -10,13 +11,10 @@
 namespace limn {
 namespace {
 
-/// Adds what the span at a place of a segment says about a sample there. Returns the span.
-std::uint32_t
-applySpan(const LineSpans& spans, std::uint32_t point, float share, SpineSample& sample) {
-  const std::uint32_t span = spans.spanAt(point, share);
-  if (spans.states[span] == LineSpans::State::kHidden) sample.bias = -1.0F;
-  if (spans.states[span] == LineSpans::State::kDoubtful) sample.neededFree = kDoubtfulNeighbours;
-  return span;
+/// Adds what the span of a sample says about it.
+void applyState(LineSpans::State state, SpineSample& sample) {
+  if (state == LineSpans::State::kHidden) sample.bias = -1.0F;
+  if (state == LineSpans::State::kDoubtful) sample.neededFree = kDoubtfulNeighbours;
 }
 
 /// Tells samples first … end − 1 that they belong together.
@@ -65,6 +63,7 @@ void sampleSpines(
   out.begin.clear();
   out.perPx.clear();
   out.samples.reserve(static_cast<std::size_t>(total / spacing) + 2 * spines.spines.size());
+  const auto faceOf = [&](std::size_t point) { return lines.faces[spines.source[point]]; };
   for (std::size_t index = 0; index < spines.spines.size(); ++index) {
     const SpineSet::Spine& spine = spines.spines[index];
     const PolylineSet::Line& line = lines.lines[spine.line];
@@ -87,8 +86,10 @@ void sampleSpines(
     const std::uint32_t lastSegment = spine.size() - (spine.closed ? 1 : 2);
     for (std::uint32_t i = 0; i < count; ++i) {
       const float arc = length * static_cast<float>(i) / static_cast<float>(steps);
-      while (segment < lastSegment && arcs.arc[spine.begin + segment + 1] < arc)
+      while (segment < lastSegment && arcs.arc[spine.begin + segment + 1] < arc) {
         ++segment;
+        prefetchFaces(scene, spine.begin + segment, spines.source.size(), faceOf);
+      }
       const std::uint32_t from = spine.begin + segment;
       const std::uint32_t to = from + 1 < spine.end ? from + 1 : spine.begin;
       const float toArc = from + 1 < spine.end ? arcs.arc[to] : length;
@@ -97,7 +98,11 @@ void sampleSpines(
           extent > 0.0F ? std::clamp((arc - arcs.arc[from]) / extent, 0.0F, 1.0F) : 0.0F;
 
       const std::uint32_t source = spines.source[from];
-      if (source != judged) {
+      const std::uint32_t before = span;
+      span = spans.spanAt(source, t);
+      const LineSpans::State state = spans.states[span];
+      // What is hidden for sure is not looked up.
+      if (source != judged && state != LineSpans::State::kHidden) {
         judged = source;
         const std::uint32_t next =
             source + 1 < line.end ? source + 1 : (line.closed ? line.begin : source);
@@ -115,8 +120,7 @@ void sampleSpines(
       sample.outward = outward;
       sample.first = static_cast<float>(first);
       sample.last = spine.closed ? -last : last;
-      const std::uint32_t before = span;
-      span = applySpan(spans, source, t, sample);
+      applyState(state, sample);
       if (i > 0 && span != before) {
         bindSamples(spanFirst, first + i, out);
         spanFirst = first + i;
@@ -167,7 +171,8 @@ sampleSegments(const PolylineSet& lines, const LineSpans& spans, const LineScene
         sample.depth = static_cast<float>(glm::mix(from.z, to.z, t));
         sample.bias = facts.bias;
         sample.neededFree = kFreeNeighbours;
-        const std::uint32_t at = applySpan(spans, point, static_cast<float>(t), sample);
+        const std::uint32_t at = spans.spanAt(point, static_cast<float>(t));
+        applyState(spans.states[at], sample);
         if (at != last) bindSamples(spanFirst, out.samples.size(), out);
         if (at != last) spanFirst = out.samples.size();
         last = at;

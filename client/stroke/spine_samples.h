@@ -21,7 +21,7 @@ inline constexpr float kDoubtfulNeighbours = 4.0F;
 /// shaders as three RGBA32F texels in this order.
 struct SpineSample {
   /// Of the exact line, or of its mesh's outline beside it (SegmentFacts::standOutPx), as a
-  /// fraction of the picture, from the top left.
+  /// fraction of the picture, from the top left. Somewhere there for what is hidden for sure.
   glm::vec2 position{0.0F};
   float depth = 0.0F;  // window depth of the line there
   float bias = 0.0F;   // how much nearer a surface must be to hide it; < 0: hidden for sure
