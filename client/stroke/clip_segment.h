@@ -3,6 +3,8 @@
 
 #include <glm/glm.hpp>
 
+#include <cmath>
+
 namespace limn {
 
 /// How far outside the picture lines are kept, as a fraction of its size on each side.
@@ -15,6 +17,12 @@ struct ClipSpan {
 
   [[nodiscard]] bool empty() const { return begin >= end; }
 };
+
+/// Whether a point in clip space lies behind the near plane and inside the picture with its margin.
+[[nodiscard]] inline bool isInPicture(const glm::dvec4& p) {
+  constexpr double wide = 1.0 + 2.0 * kSpineMargin;
+  return p.z + p.w >= 0.0 && wide * p.w >= std::abs(p.x) && wide * p.w >= std::abs(p.y);
+}
 
 /// The part of a → b (clip space) behind the near plane and inside the picture with its margin.
 [[nodiscard]] ClipSpan clipSegment(const glm::dvec4& a, const glm::dvec4& b);

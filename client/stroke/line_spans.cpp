@@ -15,6 +15,7 @@
 #include "client/stroke/clip_segment.h"
 #include "client/stroke/cover_search.h"
 #include "client/stroke/outline_walk.h"
+#include "client/stroke/prefetch_faces.h"
 #include "client/stroke/segment_facts.h"
 
 #include "shared/mesh/edge_shape.h"
@@ -80,14 +81,19 @@ class SpanCutter {
   void gather(std::span<const std::uint8_t> isWanted) {
     memory_.segments_.clear();
     memory_.lineBegin_.clear();
+    const auto faceOf = [&](std::size_t point) {
+      return isWanted.empty() || isWanted[point] != 0 ? lines_.faces[point] : kNone;
+    };
     for (const PolylineSet::Line& line : lines_.lines) {
       memory_.lineBegin_.push_back(static_cast<std::uint32_t>(memory_.segments_.size()));
       std::uint32_t begin = line.begin;
       for (std::uint32_t point = line.begin; point < line.begin + line.segmentCount(); ++point) {
+        prefetchFaces(scene_, point, lines_.faces.size(), faceOf);
         // What has no answers of its own, since it is too short, is a part of what comes next.
         const bool isSmooth = lines_.halfEdges[point] == kNone;
         if (isSmooth && !isWanted.empty() && isWanted[point] == 0) continue;
         memory_.segments_.push_back(segmentOf(line, isSmooth ? begin : point, point));
+        place(memory_.segments_.back());
         begin = point + 1;
       }
     }
@@ -142,6 +148,14 @@ class SpanCutter {
   }
 
  private:
+  /// A point of a line as the picture has it.
+  struct End {
+    std::uint32_t point = kNone;
+    bool isInside = false;
+    glm::dvec4 inClip{0.0};
+    glm::dvec3 inPicture{0.0};
+  };
+
   [[nodiscard]] static bool isContour(const PolylineSet::Line& line) {
     return line.kind == LineKind::kSilhouette && !line.onSurface;
   }
@@ -202,17 +216,36 @@ class SpanCutter {
       }
       if (segment.isHidden) segment.isHiddenAtStart = segment.isHiddenAtEnd = true;
     }
-    const glm::dvec4 a = clipFromGrid_ * glm::dvec4(from, 1.0);
-    const glm::dvec4 b = clipFromGrid_ * glm::dvec4(to, 1.0);
-    const ClipSpan span = clipSegment(a, b);
-    segment.isInPicture = !span.empty();
+    return segment;
+  }
+
+  // Where a segment of a line lies in the picture. Of what its own surface hides nobody asks.
+  void place(Segment& segment) {
+    if (segment.isHidden) return;
+    if (begin_.point != segment.begin) begin_ = endAt(segment.begin);
+    const End end = endAt(segment.next);
+    const glm::dvec4& a = begin_.inClip;
+    const glm::dvec4& b = end.inClip;
+    const ClipSpan part = begin_.isInside && end.isInside ? ClipSpan{} : clipSegment(a, b);
+    segment.isInPicture = !part.empty();
     if (segment.isInPicture) {
       if (segment.coveredFromStart > 0.0F || segment.coveredFromEnd > 0.0F)
-        coveredInPicture(a.w, b.w, span, segment);
-      segment.from = pixelFromClip(a + span.begin * (b - a), scene_.viewport);
-      segment.to = pixelFromClip(span.end < 1.0 ? a + span.end * (b - a) : b, scene_.viewport);
+        coveredInPicture(a.w, b.w, part, segment);
+      segment.from = part.begin > 0.0 ? pixelFromClip(a + part.begin * (b - a), scene_.viewport)
+                                      : begin_.inPicture;
+      segment.to =
+          part.end < 1.0 ? pixelFromClip(a + part.end * (b - a), scene_.viewport) : end.inPicture;
     }
-    return segment;
+    begin_ = end;
+  }
+
+  [[nodiscard]] End endAt(std::uint32_t point) const {
+    End end;
+    end.point = point;
+    end.inClip = clipFromGrid_ * glm::dvec4(lines_.points[point], 1.0);
+    end.isInside = isInPicture(end.inClip);
+    end.inPicture = pixelFromClip(end.inClip, scene_.viewport);
+    return end;
   }
 
   // Shares of a segment in space become those of its part in the picture.
@@ -475,6 +508,7 @@ class SpanCutter {
   const LineScene& scene_;
   LineSpanFinder& memory_;
   LineSpans& out_;
+  End begin_;  // of the segment at hand: where the one before ended
   SegmentJudge judge_;
   OutlineWalk walk_;
   CoverSearch search_;

@@ -16,11 +16,6 @@ constexpr float kSamePx = 0.05F;
 /// How far smoothing looks, in standard deviations: where (1 − t²)² has the deviation asked for.
 constexpr float kBellReach = 2.65F;
 
-bool isInside(const glm::dvec4& p) {
-  constexpr double wide = 1.0 + 2.0 * kSpineMargin;
-  return p.z + p.w >= 0.0 && std::abs(p.x) <= wide * p.w && std::abs(p.y) <= wide * p.w;
-}
-
 /// Builds the spines of one line at a time.
 class SpineBuilder {
  public:
@@ -178,7 +173,7 @@ void SpineProjector::project(
       const glm::dvec3 p(lines.points[line.begin + i]);
       clip_[i] =
           clipFromGrid[0] * p.x + clipFromGrid[1] * p.y + clipFromGrid[2] * p.z + clipFromGrid[3];
-      isWhole = isWhole && isInside(clip_[i]);
+      isWhole = isWhole && isInPicture(clip_[i]);
     }
     if (isWhole) {
       builder.begin(line.kind, index, true);
