@@ -38,7 +38,9 @@ void walk(const SpineSet& spines, const SpineSet::Spine& spine, Visit visit) {
     if (i + 1 == spine.end && !spine.closed) return;
     const std::uint32_t next = i + 1 < spine.end ? i + 1 : spine.begin;
     const glm::vec2 along = spines.points[next] - spines.points[i];
-    const float steps = std::max(1.0F, std::ceil(glm::length(along) / kStepPx));
+    const float length2 = glm::dot(along, along);
+    const float steps =
+        length2 <= kStepPx * kStepPx ? 1.0F : std::ceil(std::sqrt(length2) / kStepPx);
     for (float k = 0.5F; k < steps; ++k) {
       const float t = k / steps;
       visit(Step{
@@ -76,7 +78,9 @@ class SmallOutlines {
     places_.resize(unsorted.size());
     isNear_.assign(cells_.size(), 0);
     for (const Place& place : unsorted) {
-      forCells(place.step.at, [&](std::size_t cell) { isNear_[cell] = 1; });
+      forRows(place.step.at, [&](std::size_t first, std::size_t last) {
+        std::fill(isNear_.begin() + first, isNear_.begin() + last + 1, 1);
+      });
     }
     for (std::size_t i = unsorted.size(); i-- > 0;)
       places_[--cells_[numberOf(cellOf(unsorted[i].step.at))]] = unsorted[i];
@@ -93,26 +97,25 @@ class SmallOutlines {
   template <class Visit>
   void forNear(const glm::vec2& at, Visit visit) const {
     if (isNear_[numberOf(cellOf(at))] == 0) return;
-    forCells(at, [&](std::size_t cell) {
-      for (std::uint32_t i = cells_[cell]; i < cells_[cell + 1]; ++i)
+    forRows(at, [&](std::size_t first, std::size_t last) {
+      for (std::uint32_t i = cells_[first]; i < cells_[last + 1]; ++i)
         visit(places_[i]);
     });
   }
 
  private:
-  /// visit(number) for the cells within reach of a point.
+  /// visit(first, last) for the cells of each row within reach of a point.
   template <class Visit>
-  void forCells(const glm::vec2& at, Visit visit) const {
+  void forRows(const glm::vec2& at, Visit visit) const {
     const glm::ivec2 first = glm::max(cellOf(at - kReachPx), glm::ivec2(0));
     const glm::ivec2 last = glm::min(cellOf(at + kReachPx), size_ - 1);
-    for (int y = first.y; y <= last.y; ++y) {
-      for (int x = first.x; x <= last.x; ++x)
-        visit(numberOf({x, y}));
-    }
+    if (first.x > last.x) return;
+    for (int y = first.y; y <= last.y; ++y)
+      visit(numberOf({first.x, y}), numberOf({last.x, y}));
   }
 
   [[nodiscard]] glm::ivec2 cellOf(const glm::vec2& at) const {
-    return glm::ivec2(glm::floor((at - low_) / kCellPx));
+    return glm::ivec2((at - low_) * (1.0F / kCellPx));
   }
 
   [[nodiscard]] std::size_t numberOf(const glm::ivec2& cell) const {
@@ -146,9 +149,10 @@ std::vector<float> coveredLengths(
     walk(spines, spine, [&](const Step& step) {
       ++number;
       small.forNear(step.at, [&](const SmallOutlines::Place& place) {
-        if (lastStep[place.spine] == number || place.step.depth >= step.depth) return;
         const glm::vec2 away = place.step.at - step.at;
-        if (glm::dot(away, away) > kReachPx * kReachPx) return;
+        if (glm::dot(away, away) > kReachPx * kReachPx || place.step.depth >= step.depth ||
+            lastStep[place.spine] == number)
+          return;
         // Outlines have what they bound to their left: the bump bounds it to the same side.
         if (!(glm::dot(place.step.along, step.along) > 0.0F)) return;
         const glm::vec2 inside(step.along.y, -step.along.x);

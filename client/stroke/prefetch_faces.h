@@ -14,8 +14,8 @@ namespace limn {
 /// come, or kNone; call once for each i. Cost: O(1), some nanoseconds.
 template <class FaceAt>
 void prefetchFaces(const LineScene& scene, std::size_t i, std::size_t count, FaceAt faceAt) {
-  constexpr std::size_t kFarAhead = 24;
-  constexpr std::size_t kNearAhead = 8;
+  constexpr std::size_t kFarAhead = 64;
+  constexpr std::size_t kNearAhead = 24;
   const HalfEdgeMesh& mesh = scene.mesh;
   // First for the corners, then for where those are.
   if (i + kFarAhead < count) {
