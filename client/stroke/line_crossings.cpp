@@ -17,8 +17,8 @@ constexpr double kEnd = 1e-6;
 /// How much nearer (window depth) an edge must be to lie before a line, and not on it.
 constexpr double kBefore = 1e-11;
 
-/// Entries of a cell that are looked at before any that is near.
-constexpr std::uint32_t kAtOnce = 32;
+/// So many edges near a line are found before any is looked at.
+constexpr std::size_t kAtOnce = 32;
 
 double cross2(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
@@ -194,11 +194,13 @@ void LineCrossings::crossCells(
     const glm::dvec2 gap(edge.a - p);
     const double det = cross2(along, across);
     // Most edges are passed over before anything is divided.
-    const double sign = det < 0.0 ? -1.0 : 1.0;
+    const double sign = std::copysign(1.0, det);
     const double size = sign * det;
     const double sTimes = sign * cross2(gap, across);
     const double uTimes = sign * cross2(gap, along);
-    if (!(sTimes > 0.0 && sTimes < size && uTimes >= 0.0 && uTimes <= size)) return;
+    if ((static_cast<int>(sTimes > 0.0) & static_cast<int>(sTimes < size) &
+         static_cast<int>(uTimes >= 0.0) & static_cast<int>(uTimes <= size)) == 0)
+      return;
     const double s = sTimes / size;
     const double u = uTimes / size;
     if (!(s > kEnd && s < 1.0 - kEnd)) return;
@@ -209,19 +211,21 @@ void LineCrossings::crossCells(
     out.push_back(
         {0.0, s, (det > 0.0) == (edge.side == Surface::kLeft), nearer, edge.face, number});
   };
+  std::array<std::uint32_t, kAtOnce> near;
+  std::size_t count = 0;
+  const auto meetNear = [&] {
+    for (std::size_t i = 0; i < count; ++i)
+      meet(near[i]);
+    count = 0;
+  };
   forCells(glm::dvec2(p), glm::dvec2(q), [&](std::uint32_t cell) {
-    std::array<std::uint32_t, kAtOnce> near;
-    const std::uint32_t end = cellBegin_[cell + 1];
-    for (std::uint32_t k = cellBegin_[cell]; k < end;) {
-      std::size_t count = 0;
-      for (const std::uint32_t stop = std::min(end, k + kAtOnce); k < stop; ++k) {
-        near[count] = cellEdges_[k].edge;
-        count += isNear(cellEdges_[k]);
-      }
-      for (std::size_t i = 0; i < count; ++i)
-        meet(near[i]);
+    for (std::uint32_t k = cellBegin_[cell]; k < cellBegin_[cell + 1]; ++k) {
+      near[count] = cellEdges_[k].edge;
+      count += isNear(cellEdges_[k]);
+      if (count == kAtOnce) meetNear();
     }
   });
+  meetNear();
   if (out.size() < before + 2) return;
   // A pair that shares several cells was found in each, always with the same result.
   const auto begin = out.begin() + static_cast<std::ptrdiff_t>(before);
