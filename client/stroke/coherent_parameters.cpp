@@ -122,7 +122,7 @@ void CoherentParameters::look(const LineScene& scene, float periodPx) {
   const glm::dmat4 clipFromGrid = clipFromGridOf(scene);
   columns_ = scene.viewport.width / kCellPx + 1;
   rows_ = scene.viewport.height / kCellPx + 1;
-  seen_.clear();
+  unsorted_.clear();
   std::uint32_t before = kNone;
   for (const Mark& mark : marks_) {
     const glm::dvec4 clip = clipFromGrid * glm::dvec4(mark.point, 1.0);
@@ -135,15 +135,15 @@ void CoherentParameters::look(const LineScene& scene, float periodPx) {
     Seen seen{glm::vec2(pixel), glm::vec2(0.0F), 0.0F, scale * mark.parameter};
     seen.distance = viewDistance(scene.camera, static_cast<float>(pixel.z));
     if (before != kNone) {
-      const glm::vec2 step = seen.point - seen_[before].point;
+      const glm::vec2 step = seen.point - unsorted_[before].point;
       const float size = glm::length(step);
       if (size > 1e-3F) {
         seen.along = step / size;
-        if (seen_[before].along == glm::vec2(0.0F)) seen_[before].along = seen.along;
+        if (unsorted_[before].along == glm::vec2(0.0F)) unsorted_[before].along = seen.along;
       }
     }
-    before = static_cast<std::uint32_t>(seen_.size());
-    seen_.push_back(seen);
+    before = static_cast<std::uint32_t>(unsorted_.size());
+    unsorted_.push_back(seen);
   }
   const auto cellOf = [&](const glm::vec2& p) {
     const int x = std::clamp(static_cast<int>(p.x) / kCellPx, 0, columns_ - 1);
@@ -152,13 +152,13 @@ void CoherentParameters::look(const LineScene& scene, float periodPx) {
   };
   // First how many, then where each cell ends; filling from the back leaves where it begins.
   cells_.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
-  for (const Seen& seen : seen_)
+  for (const Seen& seen : unsorted_)
     ++cells_[cellOf(seen.point)];
   for (std::size_t i = 1; i < cells_.size(); ++i)
     cells_[i] += cells_[i - 1];
-  entries_.resize(seen_.size());
-  for (auto i = static_cast<std::uint32_t>(seen_.size()); i-- > 0;)
-    entries_[--cells_[cellOf(seen_[i].point)]] = i;
+  seen_.resize(unsorted_.size());
+  for (std::size_t i = unsorted_.size(); i-- > 0;)
+    seen_[--cells_[cellOf(unsorted_[i].point)]] = unsorted_[i];
 }
 
 void CoherentParameters::vote(
@@ -191,23 +191,24 @@ void CoherentParameters::vote(
     const auto cellAt = [](float p, int count) {
       return std::clamp(static_cast<int>(p) / kCellPx, 0, count - 1);
     };
+    const int firstX = cellAt(at.x - kReachPx, columns_);
     const int lastX = cellAt(at.x + kReachPx, columns_);
     const int lastY = cellAt(at.y + kReachPx, rows_);
     for (int cy = cellAt(at.y - kReachPx, rows_); cy <= lastY; ++cy) {
-      for (int cx = cellAt(at.x - kReachPx, columns_); cx <= lastX; ++cx) {
-        const auto cell = static_cast<std::size_t>(cy * columns_ + cx);
-        for (std::uint32_t e = cells_[cell]; e < cells_[cell + 1]; ++e) {
-          const Seen& candidate = seen_[entries_[e]];
-          const glm::vec2 away = candidate.point - at;
-          // Beside the line counts four times: two lines may run close to one another.
-          const float ahead = glm::dot(away, along);
-          const float score = 4.0F * glm::dot(away, away) - 3.0F * ahead * ahead;
-          if (score >= best) continue;
-          if (glm::dot(candidate.along, along) < kMinCosine) continue;
-          if (std::abs(candidate.distance - distance) * unit > kDepthPx) continue;
-          best = score;
-          mark = &candidate;
-        }
+      const Seen* end = seen_.data() + cells_[static_cast<std::size_t>(cy * columns_ + lastX) + 1];
+      for (const Seen* candidate =
+               seen_.data() + cells_[static_cast<std::size_t>(cy * columns_ + firstX)];
+           candidate < end;
+           ++candidate) {
+        const glm::vec2 away = candidate->point - at;
+        // Beside the line counts four times: two lines may run close to one another.
+        const float ahead = glm::dot(away, along);
+        const float score = 4.0F * glm::dot(away, away) - 3.0F * ahead * ahead;
+        if (score >= best) continue;
+        if (glm::dot(candidate->along, along) < kMinCosine) continue;
+        if (std::abs(candidate->distance - distance) * unit > kDepthPx) continue;
+        best = score;
+        mark = candidate;
       }
     }
     if (mark == nullptr) continue;

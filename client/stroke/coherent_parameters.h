@@ -82,9 +82,9 @@ class CoherentParameters {
   std::vector<glm::vec2> lastPoints_;
   SpineParameters last_;
   // Of the call.
-  std::vector<Seen> seen_;
-  std::vector<std::uint32_t> cells_;    // first entry of each cell, and one past the last
-  std::vector<std::uint32_t> entries_;  // of seen_, by cell
+  std::vector<Seen> unsorted_;        // in the order of marks_
+  std::vector<Seen> seen_;            // by cell
+  std::vector<std::uint32_t> cells_;  // first of each cell in seen_, and one past the last
   int columns_ = 0;
   int rows_ = 0;
   float moved_ = 0.0F;  // mean distance of votes from their marks, pixels

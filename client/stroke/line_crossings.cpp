@@ -148,7 +148,7 @@ void LineCrossings::crossInPicture(
     const glm::dvec3& p,
     const glm::dvec3& q,
     std::vector<Crossing>& out,
-    Beside beside) const {
+    const Beside& beside) const {
   crossCells(
       p,
       q,

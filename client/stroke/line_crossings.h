@@ -69,7 +69,7 @@ class LineCrossings {
       const glm::dvec3& p,
       const glm::dvec3& q,
       std::vector<Crossing>& out,
-      Beside beside) const;
+      const Beside& beside) const;
 
   /// Whether an edge comes within reachPx of a place and is nearer to the eye where it does.
   [[nodiscard]] bool isBefore(std::uint32_t edge, const glm::dvec3& place, double reachPx) const;

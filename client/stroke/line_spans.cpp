@@ -92,8 +92,12 @@ class SpanCutter {
         // What has no answers of its own, since it is too short, is a part of what comes next.
         const bool isSmooth = lines_.halfEdges[point] == kNone;
         if (isSmooth && !isWanted.empty() && isWanted[point] == 0) continue;
-        memory_.segments_.push_back(segmentOf(line, isSmooth ? begin : point, point));
-        place(memory_.segments_.back());
+        Segment& segment = memory_.segments_.emplace_back();
+        segment.begin = isSmooth ? begin : point;
+        segment.point = point;
+        segment.next = point + 1 < line.end ? point + 1 : line.begin;
+        judge(line, segment);
+        place(segment);
         begin = point + 1;
       }
     }
@@ -188,17 +192,13 @@ class SpanCutter {
     state = std::max(state, isPolygonal_ ? State::kHidden : State::kDoubtful);
   }
 
-  [[nodiscard]] Segment
-  segmentOf(const PolylineSet::Line& line, std::uint32_t begin, std::uint32_t point) const {
-    Segment segment;
-    segment.begin = begin;
-    segment.point = point;
-    segment.next = point + 1 < line.end ? point + 1 : line.begin;
-    const glm::dvec3 from(lines_.points[begin]);
+  // What the mesh around a segment says.
+  void judge(const PolylineSet::Line& line, Segment& segment) const {
+    const glm::dvec3 from(lines_.points[segment.begin]);
     const glm::dvec3 to(lines_.points[segment.next]);
-    const HalfEdgeId h = lines_.halfEdges[point];
+    const HalfEdgeId h = lines_.halfEdges[segment.point];
     segment.isSmooth = h == kNone;
-    segment.face = h != kNone ? HalfEdgeMesh::face(h) : lines_.faces[point];
+    segment.face = h != kNone ? HalfEdgeMesh::face(h) : lines_.faces[segment.point];
     const HalfEdgeId twin = h != kNone ? scene_.mesh.twin(h) : kNone;
     if (twin != kNone) segment.other = HalfEdgeMesh::face(twin);
     if (segment.face < scene_.mesh.faceCount()) {
@@ -216,7 +216,6 @@ class SpanCutter {
       }
       if (segment.isHidden) segment.isHiddenAtStart = segment.isHiddenAtEnd = true;
     }
-    return segment;
   }
 
   // Where a segment of a line lies in the picture. Of what its own surface hides nobody asks.

@@ -112,7 +112,8 @@ void sampleSpines(
         outward =
             size > 1e-6F ? glm::vec2(-along.y, along.x) * (facts.openSide / size) : glm::vec2(0.0F);
       }
-      SpineSample sample;
+      // Where it stays: a copy would wait for its parts to be written.
+      SpineSample& sample = out.samples.emplace_back();
       const glm::vec2 place = glm::mix(spines.exact[from], spines.exact[to], t);
       sample.position = (place + facts.standOutPx * outward) * toFraction;
       sample.depth = glm::mix(spines.depth[from], spines.depth[to], t);
@@ -125,7 +126,6 @@ void sampleSpines(
         bindSamples(spanFirst, first + i, out);
         spanFirst = first + i;
       }
-      out.samples.push_back(sample);
       out.source.push_back(source);
     }
     bindSamples(spanFirst, first + count, out);

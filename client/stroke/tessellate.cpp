@@ -148,8 +148,11 @@ class StripBuilder {
       if (before > 0.0F) fromEnd = std::min(fromEnd, arc + before);
       if (after > 0.0F) fromEnd = std::min(fromEnd, length_ + after - arc);
       const bool isShaped = fromEnd < 2.0F * shaped;
-      stations_.push_back(
-          {point, arc, parameter, width * (isShaped ? profile(fromEnd) : fullHalfWidth_)});
+      Station& station = stations_.emplace_back();
+      station.point = point;
+      station.arc = arc;
+      station.parameter = parameter;
+      station.halfWidth = width * (isShaped ? profile(fromEnd) : fullHalfWidth_);
     };
     const std::array<float, 5> steps = {0.0F, 0.06F * radius, 0.2F * radius, 0.5F * radius, radius};
     if (before > 0.0F) {
@@ -281,15 +284,16 @@ class StripBuilder {
   std::uint32_t
   vertex(const glm::vec2& position, float across, float arc, float parameter, float half) {
     const float onLine = std::clamp(arc, 0.0F, length_);
-    out_.vertices.push_back(
-        {position,
-         across,
-         sampleBegin_ + samplePerPx_ * onLine,
-         visiblePerPx_ * parameter,
-         hiddenPerPx_ * parameter,
-         visibleFade_,
-         hiddenFade_,
-         half});
+    // Where it stays, as stations: a copy would wait for its parts to be written.
+    StrokeVertex& at = out_.vertices.emplace_back();
+    at.position = position;
+    at.across = across;
+    at.sample = sampleBegin_ + samplePerPx_ * onLine;
+    at.visibleU = visiblePerPx_ * parameter;
+    at.hiddenU = hiddenPerPx_ * parameter;
+    at.visibleFade = visibleFade_;
+    at.hiddenFade = hiddenFade_;
+    at.margin = half;
     return static_cast<std::uint32_t>(out_.vertices.size() - 1);
   }
 
