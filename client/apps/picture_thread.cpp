@@ -64,22 +64,11 @@ class PictureThread::Artist {
     const MeshSnapshot& snapshot = *order.snapshot;
     const LineFinder::Lines found = finder_->find(order.camera);
     const VisibilityResolver resolver(snapshot.mesh.mesh(), snapshot.mesh.positions());
-    const LineScene scene{
-        snapshot.mesh.mesh(),
-        snapshot.mesh.positions(),
-        snapshot.model.grid,
-        order.camera,
-        order.viewport};
     RenderCommandOptions look = *order.look;
     look.viewport = order.viewport;
     look.assets = assets_;
-    const auto svg = svgFile(
-        look,
-        snapshot.model.name,
-        snapshot,
-        found.lines,
-        resolver.resolve(found.lines, scene),
-        order.camera);
+    const auto svg =
+        svgFile(look, snapshot.model.name, snapshot, found.lines, resolver, order.camera);
     if (!svg) return tl::unexpected(svg.error());
     return writeOutputFile(path, *svg);
   }

@@ -68,30 +68,21 @@ class LineResolver {
       : snapshot_(snapshot),
         resolver_(snapshot.mesh.mesh(), snapshot.mesh.positions()) {}
 
-  [[nodiscard]] ResolvedLines
-  resolve(const PolylineSet& lines, const Camera& camera, const Viewport& viewport) const {
-    return resolver_.resolve(lines, sceneOf(camera, viewport));
-  }
+  [[nodiscard]] const VisibilityResolver& resolver() const { return resolver_; }
 
   /// One entry a point, for linesJson() and visibleSilhouettePixels().
-  [[nodiscard]] std::vector<std::uint8_t> perSegment(
-      const PolylineSet& lines,
-      const ResolvedLines& resolved,
-      const Camera& camera,
-      const Viewport& viewport) const {
-    return segmentVisibility(lines, resolved, sceneOf(camera, viewport));
-  }
-
- private:
-  [[nodiscard]] LineScene sceneOf(const Camera& camera, const Viewport& viewport) const {
-    return {
+  [[nodiscard]] std::vector<std::uint8_t>
+  perSegment(const PolylineSet& lines, const Camera& camera, const Viewport& viewport) const {
+    const LineScene scene{
         snapshot_.mesh.mesh(),
         snapshot_.mesh.positions(),
         snapshot_.model.grid,
         camera,
         viewport};
+    return segmentVisibility(lines, resolver_.resolve(lines, scene), scene);
   }
 
+ private:
   const MeshSnapshot& snapshot_;
   VisibilityResolver resolver_;
 };
@@ -109,10 +100,9 @@ Result<ContourError> checkAgainstReference(
   LineFinder finder(whole->snapshot, exact);
   const auto found = finder.find(camera);
   const LineResolver resolver(*whole->snapshot);
-  const auto resolved = resolver.resolve(found.lines, camera, options.viewport);
   const auto theirs = visibleSilhouettePixels(
       found.lines,
-      resolver.perSegment(found.lines, resolved, camera, options.viewport),
+      resolver.perSegment(found.lines, camera, options.viewport),
       whole->snapshot->model.grid,
       camera,
       options.viewport);
@@ -185,7 +175,7 @@ class Drawing {
           modelName_,
           *outcome_.snapshot,
           found.lines,
-          resolver().resolve(found.lines, camera, options_.viewport),
+          resolver().resolver(),
           camera);
       if (!svg) return tl::unexpected(svg.error());
       const auto path = framePath(options_.svg.string(), index);
@@ -255,8 +245,7 @@ class Drawing {
   Result<void> finish(const Camera& camera, const LineFinder::Lines& found) {
     std::vector<std::uint8_t> visible;
     if (!options_.dumpLines.empty() || !options_.reference.empty()) {
-      const auto resolved = resolver().resolve(found.lines, camera, options_.viewport);
-      visible = resolver().perSegment(found.lines, resolved, camera, options_.viewport);
+      visible = resolver().perSegment(found.lines, camera, options_.viewport);
     }
     if (!options_.dumpLines.empty()) {
       const LineDump dump{*outcome_.snapshot, found.lines, visible, camera, options_.viewport};

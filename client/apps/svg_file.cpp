@@ -4,6 +4,7 @@
 #include "client/apps/drawing_options.h"
 #include "client/render/assets.h"
 #include "client/render/style_files.h"
+#include "client/stroke/line_fade.h"
 #include "client/stroke/tessellate.h"
 #include "client/svg/stroke_shape.h"
 #include "client/svg/svg_drawing.h"
@@ -38,7 +39,7 @@ Result<std::string> svgFile(
     const std::string& modelName,
     const MeshSnapshot& snapshot,
     const PolylineSet& lines,
-    const ResolvedLines& resolved,
+    const VisibilityResolver& resolver,
     const Camera& camera) {
   const auto assets = findAssets(options.assets);
   if (!assets) return tl::unexpected(assets.error());
@@ -66,6 +67,7 @@ Result<std::string> svgFile(
       snapshot.model.grid,
       camera,
       options.viewport};
+  const ResolvedLines resolved = resolver.resolve(lines, scene, drawnPoints(lines, style, scene));
   return svgDrawing(lines, resolved, scene, style, svg);
 }
 

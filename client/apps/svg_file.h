@@ -14,13 +14,13 @@
 namespace limn {
 
 /// `--svg`: the lines as a vector drawing in the style asked for, whose dashes are those of its
-/// textures. Errors: as readStyle().
+/// textures. resolver: of the snapshot's mesh. Errors: as readStyle().
 [[nodiscard]] Result<std::string> svgFile(
     const RenderCommandOptions& options,
     const std::string& modelName,
     const MeshSnapshot& snapshot,
     const PolylineSet& lines,
-    const ResolvedLines& resolved,
+    const VisibilityResolver& resolver,
     const Camera& camera);
 
 }  // namespace limn

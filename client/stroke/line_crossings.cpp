@@ -24,6 +24,15 @@ double cross2(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
 }
 
+/// The place of a → b that is closest to p in the picture.
+glm::dvec3 closest(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
+  const glm::dvec3 along = b - a;
+  const glm::dvec2 course(along);
+  const double length2 = glm::dot(course, course);
+  const double share = length2 > 0.0 ? glm::dot(glm::dvec2(p - a), course) / length2 : 0.0;
+  return a + std::clamp(share, 0.0, 1.0) * along;
+}
+
 }  // namespace
 
 void LineCrossings::begin(const Viewport& viewport) {
@@ -239,14 +248,22 @@ void LineCrossings::crossCells(
 }
 
 bool LineCrossings::isBefore(std::uint32_t edge, const glm::dvec3& place, double reachPx) const {
-  const glm::dvec3& a = edges_[edge].a;
-  const glm::dvec3 along = edges_[edge].b - a;
-  const glm::dvec2 course(along);
-  const glm::dvec2 gap(place - a);
-  const double length2 = glm::dot(course, course);
-  const double u = length2 > 0.0 ? std::clamp(glm::dot(gap, course) / length2, 0.0, 1.0) : 0.0;
-  const glm::dvec2 off = gap - u * course;
-  return glm::dot(off, off) <= reachPx * reachPx && a.z + u * along.z < place.z;
+  const glm::dvec3 off = place - closest(edges_[edge].a, edges_[edge].b, place);
+  return off.x * off.x + off.y * off.y <= reachPx * reachPx && off.z > 0.0;
+}
+
+bool LineCrossings::isBefore(
+    std::uint32_t edge,
+    const glm::dvec3& from,
+    const glm::dvec3& to,
+    double reachPx) const {
+  // Segments are closest at an end of one of them.
+  if (isBefore(edge, from, reachPx) || isBefore(edge, to, reachPx)) return true;
+  const auto isEndBefore = [&](const glm::dvec3& end) {
+    const glm::dvec3 off = closest(from, to, end) - end;
+    return off.x * off.x + off.y * off.y <= reachPx * reachPx && off.z > 0.0;
+  };
+  return isEndBefore(edges_[edge].a) || isEndBefore(edges_[edge].b);
 }
 
 }  // namespace limn

@@ -74,6 +74,10 @@ class LineCrossings {
   /// Whether an edge comes within reachPx of a place and is nearer to the eye where it does.
   [[nodiscard]] bool isBefore(std::uint32_t edge, const glm::dvec3& place, double reachPx) const;
 
+  /// The same for a segment that does not cross the edge, where it is closest to it.
+  [[nodiscard]] bool
+  isBefore(std::uint32_t edge, const glm::dvec3& from, const glm::dvec3& to, double reachPx) const;
+
  private:
   struct Edge {
     glm::dvec3 a;  // x, y in pixels, window depth

@@ -138,4 +138,16 @@ void dropFaded(SpineSet& spines, std::vector<LineFade>& fades) {
   fades.resize(kept);
 }
 
+std::vector<std::uint8_t>
+drawnPoints(const PolylineSet& lines, const StrokeStyle& style, const LineScene& scene) {
+  SpineSet spines = projectLines(lines, scene);
+  std::vector<LineFade> fades;
+  fadeLines(spines, style, scene, fades);
+  dropFaded(spines, fades);
+  std::vector<std::uint8_t> isDrawn(lines.points.size(), 0);
+  for (const std::uint32_t point : spines.source)
+    isDrawn[point] = 1;
+  return isDrawn;
+}
+
 }  // namespace limn

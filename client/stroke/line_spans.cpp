@@ -104,10 +104,13 @@ class SpanCutter {
     memory_.lineBegin_.push_back(static_cast<std::uint32_t>(memory_.segments_.size()));
     memory_.crossings_.begin(scene_.viewport);
     memory_.edgeSegment_.clear();
+    memory_.edgeRun_.clear();
     for (std::uint32_t i = 0; i < memory_.segments_.size(); ++i) {
       Segment& segment = memory_.segments_[i];
       if (!segment.isInPicture || segment.openSide == 0) continue;
       segment.edge = static_cast<std::uint32_t>(memory_.edgeSegment_.size());
+      const bool goesOn = segment.edge > 0 && memory_.edgeSegment_.back() + 1 == i;
+      memory_.edgeRun_.push_back(goesOn ? memory_.edgeRun_.back() : segment.edge);
       memory_.edgeSegment_.push_back(i);
       memory_.crossings_.addEdgeInPicture(
           segment.from,
@@ -314,13 +317,41 @@ class SpanCutter {
           segment.from,
           segment.to,
           found,
-          {kCoverReachPx,
-           segment.edge < kOwnEdges ? 0 : segment.edge - kOwnEdges,
-           segment.edge + kOwnEdges + 1,
-           memory_.near_});
+          {kBesidePx, firstOwnEdge(segment), endOfOwnEdges(segment), memory_.near_});
       segment.nearEnd = static_cast<std::uint32_t>(memory_.near_.size());
+      if (segment.openSide != 0 && isNearest(segment)) {
+        memory_.near_.resize(segment.nearBegin);
+        segment.nearEnd = segment.nearBegin;
+        if (segment.isSmooth) out_.isNearest[segment.point] = 1;
+      }
     }
     leaveOutOwn(line, segment);
+  }
+
+  // Edges before and after a segment's are its line's as far as that goes on without a gap: where
+  // it turns back, a part of it is hidden.
+  [[nodiscard]] std::uint32_t firstOwnEdge(const Segment& segment) const {
+    const std::uint32_t first = segment.edge < kOwnEdges ? 0 : segment.edge - kOwnEdges;
+    return segment.openSide != 0 ? std::max(first, memory_.edgeRun_[segment.edge]) : first;
+  }
+
+  [[nodiscard]] std::uint32_t endOfOwnEdges(const Segment& segment) const {
+    std::uint32_t end = segment.edge + 1;
+    if (segment.openSide == 0) return end + kOwnEdges;
+    while (end < memory_.edgeRun_.size() && end <= segment.edge + kOwnEdges &&
+           memory_.edgeRun_[end] == memory_.edgeRun_[segment.edge])
+      ++end;
+    return end;
+  }
+
+  [[nodiscard]] bool isNearest(const Segment& segment) const {
+    const auto first = memory_.near_.begin();
+    return std::none_of(
+        first + segment.nearBegin,
+        first + segment.nearEnd,
+        [&](std::uint32_t edge) {
+          return memory_.crossings_.isBefore(edge, segment.from, segment.to, kBesidePx);
+        });
   }
 
   void leaveOutOwn(const PolylineSet::Line& line, const Segment& segment) {
@@ -526,6 +557,7 @@ void LineSpanFinder::find(
   out.pieces.clear();
   out.begin.clear();
   out.states.clear();
+  out.isNearest.assign(lines.points.size(), 0);
   SpanCutter cutter(lines, scene, *this, out);
   cutter.gather(isWanted);
   for (std::size_t i = 0; i < lines.lines.size(); ++i)

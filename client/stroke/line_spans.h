@@ -15,6 +15,9 @@
 
 namespace limn {
 
+/// Lines within this of one another are one to the eye.
+inline constexpr float kBesidePx = 2.5F;
+
 /// Lines cut where their visibility can change: where they pass behind a silhouette or a border
 /// among them, and where the faces around one of their points cover them. A span, from one such
 /// place to the next, is all visible or all hidden.
@@ -35,6 +38,9 @@ struct LineSpans {
   std::vector<Piece> pieces;
   std::vector<std::uint32_t> begin;  // by point, and one past the last: into pieces
   std::vector<State> states;         // by span
+  /// By point: no line that is nearer to the eye comes within kBesidePx of a smooth silhouette's
+  /// segment. What hides it by less than that has no line of its own there.
+  std::vector<std::uint8_t> isNearest;
 
   /// The span at a place of the segment that starts at a point.
   [[nodiscard]] std::uint32_t spanAt(std::uint32_t point, float share) const {
@@ -73,6 +79,7 @@ class LineSpanFinder {
   std::vector<Probes> probes_;            // by span of the line at hand
   std::vector<LineCrossings::Crossing> found_;
   std::vector<std::uint32_t> edgeSegment_;  // by edge of crossings_: into segments_
+  std::vector<std::uint32_t> edgeRun_;      // by edge: the first of those of a line without a gap
   std::vector<std::uint32_t> near_;  // edges of crossings_ beside segments of the line at hand
   CoveredParts covered_;
   std::vector<LineSpans::Piece> pieces_;  // of the line at hand

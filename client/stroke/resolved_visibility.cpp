@@ -10,7 +10,9 @@
 #include "client/stroke/resolved_visibility.h"
 
 #include "client/stroke/line_crossings.h"
+#include "client/stroke/line_spans.h"
 #include "client/stroke/own_surface.h"
+#include "client/stroke/spine_samples.h"
 #include "client/stroke/view_distance.h"
 
 #include "shared/mesh/edge_shape.h"
@@ -34,8 +36,10 @@ class ViewResolver {
       const PolylineSet& lines,
       const LineScene& scene,
       const TriangleBvh& bvh,
-      bool isClosed)
+      bool isClosed,
+      std::span<const std::uint8_t> isNearest)
       : lines_(lines),
+        isNearest_(isNearest),
         mesh_(scene.mesh),
         positions_(scene.positions),
         bvh_(bvh),
@@ -147,7 +151,7 @@ class ViewResolver {
       const glm::dvec3 middle = glm::mix(a, b, 0.5 * (from + to));
       const bool isAside = isSmooth && !line.onSurface;
       const bool visible = isAside
-                               ? !isBlockedAside(lines_.faces[point], b - a, middle, out)
+                               ? !isBlockedAside(point, b - a, middle, out)
                                : !isBlocked(
                                      middle,
                                      line.kind == LineKind::kIntersection ? kSkipOnSurface : kSkip,
@@ -185,21 +189,20 @@ class ViewResolver {
   }
 
   // A place of a smooth silhouette, by more than facets of its own surface that stand out beside
-  // it.
+  // it, or what else does and has no line of its own.
   [[nodiscard]] bool isBlockedAside(
-      FaceId face,
+      std::uint32_t point,
       const glm::dvec3& along,
       const glm::dvec3& middle,
       ResolvedLines& out) {
+    const FaceId face = lines_.faces[point];
     const glm::dvec3 place = outside(face, along, middle);
     if (!isBlocked(place, kSkip, own_, out)) return false;
-    if (isBlocked(place, kSkip, ownSurface_.around(face), out)) return true;
-    return isBlocked(place + fartherOut(face, along, place), kSkip, own_, out);
-  }
-
-  [[nodiscard]] glm::dvec3 fartherOut(FaceId face, const glm::dvec3& along, const glm::dvec3& place)
-      const {
-    return OwnSurface::kReachPx / pixelsPerGrid(place) * outward(face, along, place);
+    const bool isNearest = isNearest_[point] != 0;
+    if (!isNearest && isBlocked(place, kSkip, ownSurface_.around(face), out)) return true;
+    const double reachPx = isNearest ? kFartherPx : OwnSurface::kReachPx;
+    const glm::dvec3 farther = reachPx / pixelsPerGrid(place) * outward(face, along, place);
+    return isBlocked(place + farther, kSkip, own_, out);
   }
 
   // Of a length across the view.
@@ -270,6 +273,7 @@ class ViewResolver {
   }
 
   const PolylineSet& lines_;
+  std::span<const std::uint8_t> isNearest_;  // LineSpans::isNearest
   const HalfEdgeMesh& mesh_;
   std::span<const glm::ivec3> positions_;
   const TriangleBvh& bvh_;
@@ -299,8 +303,13 @@ VisibilityResolver::VisibilityResolver(
       isClosed_(
           std::find(mesh.twins.begin(), mesh.twins.end(), HalfEdgeId{kNone}) == mesh.twins.end()) {}
 
-ResolvedLines VisibilityResolver::resolve(const PolylineSet& lines, const LineScene& scene) const {
-  return ViewResolver(lines, scene, bvh_, isClosed_).resolve();
+ResolvedLines VisibilityResolver::resolve(
+    const PolylineSet& lines,
+    const LineScene& scene,
+    std::span<const std::uint8_t> isDrawn) const {
+  LineSpans spans;
+  LineSpanFinder().find(lines, isDrawn, scene, spans);
+  return ViewResolver(lines, scene, bvh_, isClosed_, spans.isNearest).resolve();
 }
 
 std::vector<std::uint8_t>

@@ -41,7 +41,8 @@ struct ResolvedLines {
 /// Polygonal lines are exact: rays pass the edge's own two faces, and a concave silhouette edge is
 /// hidden by them. A smooth silhouette lies a little beside the mesh's own outline, so its rays
 /// start just outside and pass the faces around; where the surface bends towards the eye it hides
-/// the line by itself.
+/// the line by itself. Where no nearer line is beside it, it is the outline of all that stands out
+/// a little farther, too.
 ///
 /// Refers to mesh and positions, which must outlive it unchanged. Threads: reentrant.
 class VisibilityResolver {
@@ -49,9 +50,14 @@ class VisibilityResolver {
   /// Cost: O(faces), some 0.1 µs each.
   VisibilityResolver(const HalfEdgeMesh& mesh, std::span<const glm::ivec3> positions);
 
-  /// lines: on the resolver's mesh, which is also the scene's. Cost: O(faces + segments +
-  /// crossings) and a ray a piece, about a microsecond each.
-  [[nodiscard]] ResolvedLines resolve(const PolylineSet& lines, const LineScene& scene) const;
+  /// lines: on the resolver's mesh, which is also the scene's. isDrawn: one entry a point, or empty
+  /// (all): the segments that are drawn, and so may be another smooth silhouette's outline
+  /// (LineSpans::isNearest). Cost: O(faces + segments + crossings) and a ray a piece, about a
+  /// microsecond each.
+  [[nodiscard]] ResolvedLines resolve(
+      const PolylineSet& lines,
+      const LineScene& scene,
+      std::span<const std::uint8_t> isDrawn = {}) const;
 
  private:
   TriangleBvh bvh_;

@@ -11,10 +11,18 @@
 namespace limn {
 namespace {
 
-/// Adds what the span of a sample says about it.
-void applyState(LineSpans::State state, SpineSample& sample) {
+/// Adds what its span, and its segment, say about a sample.
+void applySpan(
+    const LineSpans& spans,
+    std::uint32_t span,
+    std::uint32_t point,
+    const Viewport& viewport,
+    SpineSample& sample) {
+  const LineSpans::State state = spans.states[span];
   if (state == LineSpans::State::kHidden) sample.bias = -1.0F;
   if (state == LineSpans::State::kDoubtful) sample.neededFree = kDoubtfulNeighbours;
+  if (spans.isNearest[point] != 0)
+    sample.farther = kFartherPx / static_cast<float>(viewport.height);
 }
 
 /// Tells samples first … end − 1 that they belong together.
@@ -121,7 +129,7 @@ void sampleSpines(
       sample.outward = outward;
       sample.first = static_cast<float>(first);
       sample.last = spine.closed ? -last : last;
-      applyState(state, sample);
+      applySpan(spans, span, source, scene.viewport, sample);
       if (i > 0 && span != before) {
         bindSamples(spanFirst, first + i, out);
         spanFirst = first + i;
@@ -172,7 +180,7 @@ sampleSegments(const PolylineSet& lines, const LineSpans& spans, const LineScene
         sample.bias = facts.bias;
         sample.neededFree = kFreeNeighbours;
         const std::uint32_t at = spans.spanAt(point, static_cast<float>(t));
-        applyState(spans.states[at], sample);
+        applySpan(spans, at, point, scene.viewport, sample);
         if (at != last) bindSamples(spanFirst, out.samples.size(), out);
         if (at != last) spanFirst = out.samples.size();
         last = at;

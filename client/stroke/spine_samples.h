@@ -17,6 +17,11 @@ namespace limn {
 inline constexpr float kFreeNeighbours = 2.0F;
 inline constexpr float kDoubtfulNeighbours = 4.0F;
 
+/// Where a smooth silhouette's mesh stands out farther than the line's own face does, by noise, and
+/// no other line is there to be its outline (LineSpans::isNearest), it is looked for as far as
+/// this.
+inline constexpr float kFartherPx = 0.8F;
+
 /// One place on a spine where visibility is asked for. Twelve floats, read by the visibility
 /// shaders as three RGBA32F texels in this order.
 struct SpineSample {
@@ -36,7 +41,9 @@ struct SpineSample {
   float spanFirst = 0.0F;
   float spanLast = 0.0F;
   float neededFree = kFreeNeighbours;
-  float unused = 0.0F;
+  /// How much farther outwards it is asked once more, if it is not free, as a fraction of the
+  /// picture's height.
+  float farther = 0.0F;
 };
 
 static_assert(sizeof(SpineSample) == 12 * sizeof(float));

@@ -13,6 +13,25 @@
 #include <cstdlib>
 
 namespace limn {
+namespace {
+
+/// Pixels around a place, not on its inward side, that hold no surface before the sample.
+int freeAround(const SpineSample& sample, const glm::vec2& place, const DepthImage& depth) {
+  const glm::ivec2 centre(glm::floor(place));
+  int free = 0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const glm::vec2 aside(static_cast<float>(dx), static_cast<float>(dy));
+      if (glm::dot(aside, sample.outward) < -0.1F) continue;
+      const int x = std::clamp(centre.x + dx, 0, depth.width - 1);
+      const int y = std::clamp(centre.y + dy, 0, depth.height - 1);
+      if (depth.at(x, y) >= sample.depth - sample.bias) ++free;
+    }
+  }
+  return free;
+}
+
+}  // namespace
 
 std::vector<std::uint8_t> testSamples(
     std::span<const SpineSample> samples,
@@ -22,18 +41,13 @@ std::vector<std::uint8_t> testSamples(
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const SpineSample& sample = samples[i];
     if (sample.bias < 0.0F) continue;
-    const glm::ivec2 centre(glm::floor(sample.position * size));
-    int free = 0;
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        const glm::vec2 aside(static_cast<float>(dx), static_cast<float>(dy));
-        if (glm::dot(aside, sample.outward) < -0.1F) continue;
-        const int x = std::clamp(centre.x + dx, 0, depth.width - 1);
-        const int y = std::clamp(centre.y + dy, 0, depth.height - 1);
-        if (depth.at(x, y) >= sample.depth - sample.bias) ++free;
-      }
-    }
-    visible[i] = free >= static_cast<int>(sample.neededFree) ? 1 : 0;
+    const int needed = static_cast<int>(sample.neededFree);
+    const glm::vec2 place = sample.position * size;
+    bool isFree = freeAround(sample, place, depth) >= needed;
+    if (!isFree && sample.farther > 0.0F)
+      isFree =
+          freeAround(sample, place + sample.farther * size.y * sample.outward, depth) >= needed;
+    visible[i] = isFree ? 1 : 0;
   }
   return visible;
 }

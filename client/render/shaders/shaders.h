@@ -59,16 +59,9 @@ precision highp int;
 uniform highp sampler2D samples;  // three texels a sample, see SpineSample
 uniform highp sampler2D depthMap;
 out float visible;
-void main() {
-  ivec2 cell = ivec2(gl_FragCoord.xy);
-  vec4 place = texelFetch(samples, ivec2(3 * cell.x, cell.y), 0);
-  vec2 outward = texelFetch(samples, ivec2(3 * cell.x + 1, cell.y), 0).xy;
-  int needed = int(texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0).z);
-  visible = 0.0;
-  if (place.w < 0.0) return;
+int freeAround(vec2 place, vec2 outward, float limit) {
   ivec2 size = textureSize(depthMap, 0);
-  ivec2 centre = ivec2(floor(place.xy * vec2(size)));
-  float limit = place.z - place.w;
+  ivec2 centre = ivec2(floor(place));
   int free = 0;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
@@ -77,7 +70,22 @@ void main() {
       if (texelFetch(depthMap, ivec2(texel.x, size.y - 1 - texel.y), 0).r >= limit) ++free;
     }
   }
-  visible = free >= needed ? 1.0 : 0.0;
+  return free;
+}
+void main() {
+  ivec2 cell = ivec2(gl_FragCoord.xy);
+  vec4 line = texelFetch(samples, ivec2(3 * cell.x, cell.y), 0);
+  visible = 0.0;
+  if (line.w < 0.0) return;
+  vec2 outward = texelFetch(samples, ivec2(3 * cell.x + 1, cell.y), 0).xy;
+  vec2 asking = texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0).zw;
+  vec2 size = vec2(textureSize(depthMap, 0));
+  vec2 place = line.xy * size;
+  float limit = line.z - line.w;
+  bool isFree = freeAround(place, outward, limit) >= int(asking.x);
+  if (!isFree && asking.y > 0.0)
+    isFree = freeAround(place + asking.y * size.y * outward, outward, limit) >= int(asking.x);
+  visible = isFree ? 1.0 : 0.0;
 }
 )";
 

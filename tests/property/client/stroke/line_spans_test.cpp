@@ -137,6 +137,56 @@ TEST(LineSpans, HardlyAnythingOfSmoothSilhouettesIsHiddenForSureThatIsVisible) {
   EXPECT_LE(500 * all.surelyHiddenButVisible, all.pieces);
 }
 
+TEST(LineSpans, WhatIsNotTheNearestLineHasANearerOneBesideIt) {
+  const Scene scene(primitives::bumpySphere(5, 3), 33.0, 21.0, SilhouetteKind::kSmooth);
+  const LineScene view = scene.view();
+  const LineSpans spans = findSpans(scene.lines, view);
+  const glm::dmat4 toClip = clipFromGrid(view);
+  std::vector<glm::dvec3> from;
+  std::vector<glm::dvec3> to;
+  std::vector<std::uint32_t> points;
+  for (const PolylineSet::Line& line : scene.lines.lines) {
+    for (std::uint32_t point = line.begin; point < line.begin + line.segmentCount(); ++point) {
+      const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
+      const auto inPicture = [&](std::uint32_t p) {
+        return pixelFromClip(toClip * glm::dvec4(scene.lines.points[p], 1.0), view.viewport);
+      };
+      from.push_back(inPicture(point));
+      to.push_back(inPicture(next));
+      points.push_back(point);
+    }
+  }
+  // Whether one comes within reach of a place of the other, and is nearer there.
+  const auto isBefore = [&](std::size_t other, std::size_t line) {
+    for (int k = 0; k <= 20; ++k) {
+      const glm::dvec3 place = glm::mix(from[line], to[line], 0.05 * k);
+      for (int l = 0; l <= 20; ++l) {
+        const glm::dvec3 there = glm::mix(from[other], to[other], 0.05 * l);
+        if (there.z < place.z && glm::distance(glm::dvec2(there), glm::dvec2(place)) < 2.6)
+          return true;
+      }
+    }
+    return false;
+  };
+  std::size_t nearest = 0;
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (spans.isNearest[points[i]] != 0) {
+      ++nearest;
+      continue;
+    }
+    const std::uint32_t piece = spans.begin[points[i]];
+    if (spans.states[spans.pieces[piece].span] == LineSpans::State::kHidden) continue;  // by rule
+    ++others;
+    bool found = false;
+    for (std::size_t other = 0; other < points.size() && !found; ++other)
+      found = other != i && isBefore(other, i);
+    EXPECT_TRUE(found) << i;
+  }
+  EXPECT_GT(nearest, 100U);
+  EXPECT_GT(others, 10U);
+}
+
 TEST(LineSpans, EverySegmentEndsWithItsLastPiece) {
   for (const SilhouetteKind kind : {SilhouetteKind::kEdges, SilhouetteKind::kSmooth}) {
     const Scene scene(primitives::bumpySphere(4, 3), 120.0, 20.0, kind);

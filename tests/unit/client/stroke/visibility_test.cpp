@@ -94,6 +94,18 @@ TEST(Visibility, ASilhouetteAsksOnlyItsOutwardSide) {
   EXPECT_EQ(visible[51], 0);
 }
 
+TEST(Visibility, TheNearestLineIsTheOutlineOfWhatStandsOutALittleFarther) {
+  SpineSamples samples = row(100);
+  for (SpineSample& sample : samples.samples) {
+    sample.outward = {1.0F, 0.0F};
+    sample.farther = 0.02F;  // two pixels
+  }
+  const std::vector<std::uint8_t> visible = testSamples(samples.samples, wall(100, 20, 50));
+  EXPECT_EQ(visible[46], 0);
+  EXPECT_EQ(visible[47], 1);  // the wall's last column is 49
+  EXPECT_EQ(visible[19], 1);  // it is free where it is, though not farther on
+}
+
 TEST(Visibility, WhatIsHiddenByRuleStaysHidden) {
   SpineSamples samples = row(20);
   for (SpineSample& sample : samples.samples)
