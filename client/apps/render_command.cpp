@@ -199,8 +199,8 @@ class Drawing {
     report.outcome = &outcome_;
     report.modelName = modelName_;
     report.frames = times_;
-    report.detectorName =
-        needsLines(options_.draw) || usesLines(options_) ? options_.detectorName : "none";
+    const bool hasLines = options_.frames > 0 && (needsLines(options_.draw) || usesLines(options_));
+    report.detectorName = hasLines ? options_.detectorName : "none";
     report.stats = stats_;
     report.loops = loops_;
     report.recall = recall_;
@@ -291,8 +291,9 @@ class Drawing {
 };
 
 bool needsPicture(const RenderCommandOptions& options) {
-  return !options.out.empty() || !options.svg.empty() || !options.dumpLines.empty() ||
-         !options.report.empty() || options.check;
+  return options.frames > 0 &&
+         (!options.out.empty() || !options.svg.empty() || !options.dumpLines.empty() ||
+          !options.report.empty() || options.check);
 }
 
 }  // namespace

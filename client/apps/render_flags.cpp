@@ -100,7 +100,10 @@ void RenderFlags::addTo(CLI::App& app) {
       "--memory",
       o.memoryMib,
       "MiB for the streamed mesh; what no view needs is dropped (no limit)");
-  app.add_option("--frames", o.frames, "Frames to draw; times are medians over them (1)");
+  app.add_option(
+      "--frames",
+      o.frames,
+      "Frames to draw; times are medians over them (1; 0: nothing is drawn, only streamed)");
   app.add_option(
       "--path",
       path_,
@@ -179,7 +182,11 @@ Result<void> RenderFlags::parseView(RenderCommandOptions& options) const {
     return wrong("--memory bounds what is streamed from a --server; files are read whole");
   }
   if (options.memoryMib > (1U << 20)) return wrong("--memory is at most 1048576 (MiB)");
-  if (options.frames < 1 || options.frames > 100'000) return wrong("--frames is 1 to 100000");
+  if (options.frames > 100'000) return wrong("--frames is 0 to 100000");
+  if (options.frames == 0 && (!out_.empty() || !svg_.empty() || !options.dumpLines.empty() ||
+                              options.check || !with_.empty())) {
+    return wrong("--frames 0 draws nothing: leave out --out, --svg, --dump-lines, --check, --with");
+  }
   if (!path_.empty()) {
     options.orbitPath = path_ == "orbit";
     if (!options.orbitPath) options.recordedPath = path_;

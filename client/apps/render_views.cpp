@@ -25,6 +25,7 @@ protocol::Goal goalOf(const StopCondition& until) {
 }  // namespace
 
 Result<CameraPath> camerasOf(const RenderCommandOptions& options, const BoundingSphere& sphere) {
+  const std::uint32_t frames = std::max(options.frames, 1U);  // what streams is looked at, too
   Camera first;
   if (!options.cameraFile.empty()) {
     auto camera = readCameraFile(options.cameraFile);
@@ -33,14 +34,14 @@ Result<CameraPath> camerasOf(const RenderCommandOptions& options, const Bounding
     if (options.fovDegrees) first.fovDegrees = *options.fovDegrees;
     first.orthographic = first.orthographic || options.orthographic;
     fitDepthRange(sphere, first);
-    return CameraPath(options.frames, first);
+    return CameraPath(frames, first);
   }
   CameraPath path;
   if (!options.recordedPath.empty()) {
     const auto recorded = readRecordedPath(options.recordedPath);
     if (!recorded) return tl::unexpected(recorded.error());
-    const double step = durationOf(*recorded) / std::max(options.frames - 1, 1U);
-    for (std::uint32_t i = 0; i < options.frames; ++i) {
+    const double step = durationOf(*recorded) / std::max(frames - 1, 1U);
+    for (std::uint32_t i = 0; i < frames; ++i) {
       path.push_back(cameraAt(*recorded, i * step));
       if (options.fovDegrees) path.back().fovDegrees = *options.fovDegrees;
       path.back().orthographic = path.back().orthographic || options.orthographic;
@@ -48,8 +49,8 @@ Result<CameraPath> camerasOf(const RenderCommandOptions& options, const Bounding
   } else {
     const Orbit orbit = options.orbit.value_or(Orbit{});
     const double fov = options.fovDegrees.value_or(Camera{}.fovDegrees);
-    path = orbitPath(sphere, orbit, fov, options.orbitPath ? options.frames : 1);
-    path.resize(options.frames, path.front());
+    path = orbitPath(sphere, orbit, fov, options.orbitPath ? frames : 1);
+    path.resize(frames, path.front());
     for (Camera& camera : path)
       camera.orthographic = options.orthographic;
   }

@@ -67,11 +67,8 @@ Result<json> readManifest(const std::filesystem::path& directory) {
   if (!bytes) return tl::unexpected(bytes.error());
   const auto sum = readFile(directory / "manifest.sha256", 256);
   if (!sum) return damaged(directory, "manifest.sha256 is missing");
-  const std::string expected = toHex(sha256(*bytes));
-  if (sum->size() < expected.size() ||
-      !std::equal(expected.begin(), expected.end(), sum->begin())) {
+  if (!std::ranges::equal(*sum, toHex(sha256(*bytes)) + "\n"))
     return damaged(path, "does not match its checksum");
-  }
   json manifest = json::parse(bytes->begin(), bytes->end(), nullptr, false);
   if (!manifest.is_object()) return damaged(path, "is not JSON");
   const auto format = manifest.find("format");

@@ -84,5 +84,5 @@ function(limn_fuzzer name)
     COMMAND ${target} -seed=1 -max_total_time=${LIMN_FUZZ_SECONDS} -timeout=20 -rss_limit_mb=2048 -print_final_stats=1
             "-artifact_prefix=${found}/" "${found}/corpus" ${kept})
   math(EXPR patience "${LIMN_FUZZ_SECONDS} + 60")
-  set_tests_properties(fuzz.${name} PROPERTIES LABELS fuzz TIMEOUT ${patience})
+  set_tests_properties(fuzz.${name} PROPERTIES LABELS fuzz TIMEOUT ${patience} COST ${LIMN_FUZZ_SECONDS})
 endfunction()

@@ -19,7 +19,7 @@ class Contours(Case):
         """p95 and maximum, in pixels at 1024 x 1024, of what a fresh client has."""
         report = self.folder / "contour.json"
         run("limn-client", "render", "--server", server.url, "--model", name, "--until", until, "--camera", camera,
-            "--silhouette", kind, "--size", "1024x1024", "--check", "--reference", self.store / "assets" / asset,
+            "--silhouette", kind, "--size", "1024x1024", "--draw", "shaded", "--check", "--reference", self.store / "assets" / asset,
             "--report", report)
         report = json.loads(report.read_text())
         self.assertEqual(report["state"], until)

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs Limn's real programs against one another, over real sockets and files. Standard library only.
 
-The environment: LIMN_BIN, the folder of the programs; LIMN_MODELS, a folder of real meshes (optional).
+The environment: LIMN_BIN, the folder of the programs; LIMN_MODELS, a folder of real meshes (optional); LIMN_PREPARED, a
+folder where prepared shapes are kept from test to test (optional).
 """
 
 import collections
 import contextlib
+import hashlib
 import itertools
 import json
 import math
@@ -23,6 +25,7 @@ import time
 import unittest
 
 BIN = pathlib.Path(os.environ.get("LIMN_BIN", "build/dev/bin"))
+PREPARED = pathlib.Path(os.environ["LIMN_PREPARED"]) if "LIMN_PREPARED" in os.environ else None
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 DEADLINE_S = 120  # for anything: a hang is a failure, not a wait
 
@@ -401,13 +404,30 @@ class Case(unittest.TestCase):
         return (report[0] if isinstance(report, list) else report), read_ply(dump)
 
     def prepare_shape(self, name, shape, *arguments):
-        return self.prepare(write_obj(self.folder / (name + ".obj"), shape), name, *arguments)
+        """As prepare(). What any test has prepared before is not prepared again: its asset is put into the store, where
+        limn-prepare finds it and checks it."""
+        source = write_obj(self.folder / (name + ".obj"), shape)
+        program = (BIN / "limn-prepare").stat()
+        what = repr((program.st_mtime_ns, program.st_size, arguments)).encode() + source.read_bytes()
+        kept = PREPARED and PREPARED / hashlib.sha256(what).hexdigest()
+        if kept and kept.is_dir():
+            shutil.copytree(kept, self.store / "assets", dirs_exist_ok=True)
+        report, mesh = self.prepare(source, name, *arguments)
+        if kept and not kept.is_dir():
+            PREPARED.mkdir(exist_ok=True)
+            copy = pathlib.Path(tempfile.mkdtemp(dir=PREPARED))
+            shutil.copytree(self.store / "assets" / report["asset"], copy / report["asset"])
+            with contextlib.suppress(OSError):  # another test was faster
+                copy.rename(kept)
+        return report, mesh
 
     def draw(self, url, name, *arguments, expect=0):
-        """limn-client render: its report, and its mesh."""
+        """limn-client render: its report, and its mesh. Nothing is drawn unless the arguments say what to draw into:
+        that would take ten times as long as the rest."""
         dump, report = self.folder / "client.ply", self.folder / "client.json"
+        frames = () if {"--out", "--dump-lines"} & set(arguments) else ("--frames", 0)
         run("limn-client", "render", "--server", url, "--model", name, "--size", "64x64", "--dump-mesh", dump, "--report",
-            report, *arguments, expect=expect)
+            report, *frames, *arguments, expect=expect)
         return json.loads(report.read_text()), read_ply(dump)
 
     def assert_same_mesh(self, got, wanted, label):

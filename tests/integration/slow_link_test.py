@@ -8,7 +8,7 @@ from harness import Case, Server, run, torus
 from shaping_proxy import ShapingProxy
 
 MBIT = 125_000  # bytes a second
-LARGE = torus(128, 96, 0.3)
+LARGE = torus(160, 80, 0.3)
 
 
 class SlowLink(Case):

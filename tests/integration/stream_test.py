@@ -12,7 +12,7 @@ from harness import Case, Mesh, Server, canonical, hills, manifold_fault, models
 SHAPES = {"torus": torus(48, 24), "bumpy": torus(96, 48, 0.3), "hills": hills(40, 30), "pair": pair()}
 CAMERAS = ["orbit:0,0", "orbit:130,40,1.5", "orbit:250,-75,8"]
 # Real models up to this size; LIMN_MAX_MODEL_BYTES raises it to all of them (a release build's matter).
-MAX_MODEL_BYTES = int(os.environ.get("LIMN_MAX_MODEL_BYTES", "450000"))
+MAX_MODEL_BYTES = int(os.environ.get("LIMN_MAX_MODEL_BYTES", "150000" if "LIMN_SANITIZED" in os.environ else "450000"))
 
 
 class Stream(Case):
@@ -48,7 +48,7 @@ class Stream(Case):
             _, mesh = self.draw(server.url, "hills", "--until", "complete")
             self.assert_same_mesh(mesh, hills, "hills")
         with Server(self.store, "--random-order", 4) as server:
-            _, mesh = self.draw(server.url, "painted", "--until", "complete", "--draw", "shaded")
+            _, mesh = self.draw(server.url, "painted", "--until", "complete")
             self.assert_same_mesh(mesh, painted, "painted")
             self.assertEqual(vertices(mesh), vertices(painted))
 
@@ -59,7 +59,7 @@ class Stream(Case):
         self.assertGreater(report["bytes"]["attributes"], 0)
         self.assertEqual(len(wanted.attributes[0]), 6)
         with Server(self.store) as server:
-            _, mesh = self.draw(server.url, "painted", "--until", "complete", "--draw", "shaded")
+            _, mesh = self.draw(server.url, "painted", "--until", "complete")
             self.assert_same_mesh(mesh, wanted, "painted")
             self.assertEqual(vertices(mesh), vertices(wanted))
             known = dict(zip(wanted.positions, wanted.attributes))

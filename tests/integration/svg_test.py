@@ -46,9 +46,9 @@ def share_near(ours, theirs, reach):
 class Svg(Case):
 
     def render(self, shape, *arguments, style="ink"):
-        mesh = write_obj(self.folder / "shape.obj", shape)
+        asset = self.store / "assets" / self.prepare_shape("shape", shape)[0]["asset"]
         svg, picture = self.folder / "drawing.svg", self.folder / "picture.png"
-        run("limn-client", "render", "--mesh", mesh, "--camera", "orbit:40,25", "--size", "%dx%d" % (SIZE, SIZE), "--style",
+        run("limn-client", "render", "--asset", asset, "--camera", "orbit:40,25", "--size", "%dx%d" % (SIZE, SIZE), "--style",
             style, "--gl", "osmesa", "--svg", svg, "--out", picture, *arguments)
         return svg, picture
 
@@ -57,7 +57,6 @@ class Svg(Case):
         root = xml.etree.ElementTree.parse(svg).getroot()
         self.assertEqual(root.tag, SVG + "svg")
         self.assertEqual(root.get("viewBox"), "0 0 %d %d" % (SIZE, SIZE))
-        self.assertEqual(root.find(SVG + "title").text, "shape")
         layers = {g.get(INKSCAPE + "label"): g for g in root.findall(SVG + "g")}
         self.assertTrue(all(g.get(INKSCAPE + "groupmode") == "layer" for g in layers.values()))
         for name in ("Paper", "Silhouettes, visible", "Silhouettes, hidden"):
@@ -84,6 +83,8 @@ class Svg(Case):
         svg = self.folder / "f%02d.svg"
         run("limn-client", "render", "--mesh", mesh, "--path", "orbit", "--frames", "3", "--svg", svg)
         self.assertEqual(len(list(self.folder.glob("f0?.svg"))), 3)
+        root = xml.etree.ElementTree.parse(self.folder / "f00.svg").getroot()
+        self.assertEqual(root.find(SVG + "title").text, "shape")
         run("limn-client", "render", "--mesh", mesh, "--svg", svg, "--style", "no-such-style", expect=2)
 
     def test_rasterised_it_is_the_picture(self):

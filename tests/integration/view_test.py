@@ -139,7 +139,7 @@ class View(Case):
                 window.key(key)
             # Clicks all the way up and down the panel open its sections, change what they hold and press its buttons;
             # which click meets what depends on what is open by then.
-            clicks = [("mousemove", 60, y, "click", 1, "sleep", 0.05) for y in range(590, 20, -8)]
+            clicks = [("mousemove", 60, y, "click", 1, "sleep", 0.05) for y in range(590, 20, -12)]
             window.xdotool(*(word for click in clicks + clicks[::-1] for word in click))
             window.xdotool("mousemove", 600, 400, "click", "--repeat", 2, "--delay", 80, 1)  # flies there
             self.assertIsNone(window.client.poll(), "the window is gone")

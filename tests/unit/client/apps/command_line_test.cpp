@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/command_line.h"
 
+#include "client/apps/render_views.h"
+
 #include <gtest/gtest.h>
 
 #include <string>
@@ -97,6 +99,15 @@ TEST(RenderOptions, EveryDetectorHasItsName) {
   }
 }
 
+TEST(RenderOptions, NoFramesStreamWithoutDrawing) {
+  const auto line = parse("render --asset a --report r.json --dump-mesh m.ply --frames 0");
+  ASSERT_TRUE(line);
+  EXPECT_EQ(render(line).frames, 0U);
+  const auto cameras = camerasOf(render(line), {});
+  ASSERT_TRUE(cameras);
+  EXPECT_EQ(cameras->size(), 1U);
+}
+
 TEST(RenderOptions, ALightIsThreeNumbers) {
   const auto line = parse("render --asset a --out x.png --light 1,-2.5,3e2");
   ASSERT_TRUE(line);
@@ -182,6 +193,9 @@ TEST(RenderOptions, WrongUsageGetsOneLine) {
         "render --asset a --out x.png --brush-frequency 0",
         "render --asset a --out x.png --brush broom",
         "render --asset a --out x.png --frames 0",
+        "render --asset a --report r.json --dump-lines l.json --frames 0",
+        "render --asset a --report r.json --check --frames 0",
+        "render --asset a --report r.json --frames 100001",
         "render --asset a --out x.png --path spiral",
         "render --asset a --out x.png --path orbit --frames 3",
         "render --asset a --out x.png --reference r",
