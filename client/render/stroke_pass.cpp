@@ -4,8 +4,10 @@
 // sample of every line, so that visibility can be filtered along lines before it is used.
 #include "client/render/stroke_pass.h"
 
+#include "client/render/shaders/halo_shaders.h"
 #include "client/render/shaders/shaders.h"
 #include "client/stroke/line_density.h"
+#include "client/stroke/line_halo.h"
 #include "client/stroke/visibility.h"
 
 #include <algorithm>
@@ -35,6 +37,11 @@ Result<StrokePass> StrokePass::create(const gl::Api& api) {
   auto shape =
       gl::Program::build(api, "visible runs", shaders::kScreenVertex, shaders::kShapeFragment);
   if (!shape) return tl::unexpected(shape.error());
+  auto haloMark =
+      gl::Program::build(api, "halo marks", shaders::kHaloMarkVertex, shaders::kHaloMarkFragment);
+  if (!haloMark) return tl::unexpected(haloMark.error());
+  auto halo = gl::Program::build(api, "halos", shaders::kScreenVertex, shaders::kHaloFragment);
+  if (!halo) return tl::unexpected(halo.error());
   auto density =
       gl::Program::build(api, "density", shaders::kDensityVertex, shaders::kDensityFragment);
   if (!density) return tl::unexpected(density.error());
@@ -44,6 +51,8 @@ Result<StrokePass> StrokePass::create(const gl::Api& api) {
   pass.testProgram_ = *std::move(test);
   pass.voteProgram_ = *std::move(vote);
   pass.shapeProgram_ = *std::move(shape);
+  pass.haloMarkProgram_ = *std::move(haloMark);
+  pass.haloProgram_ = *std::move(halo);
   pass.densityProgram_ = *std::move(density);
   pass.strokeProgram_ = *std::move(stroke);
   pass.noAttributes_ = gl::VertexArray::create(api);
@@ -80,7 +89,9 @@ Result<void> StrokePass::findVisibility(const SpineSamples& samples, const gl::T
         .color = gl::TexelFormat::kR8};
     auto tested = gl::Target::create(*api_, "the visibility atlas", atlas);
     if (!tested) return tl::unexpected(tested.error());
-    auto voted = gl::Target::create(*api_, "the visibility atlas", atlas);
+    gl::Target::Options pair = atlas;
+    pair.color = gl::TexelFormat::kRg8;
+    auto voted = gl::Target::create(*api_, "the visibility atlas", pair);
     if (!voted) return tl::unexpected(voted.error());
     tested_ = *std::move(tested);
     voted_ = *std::move(voted);
@@ -146,6 +157,51 @@ Result<void> StrokePass::findVisibility(const SpineSamples& samples, const gl::T
   shapeProgram_.set("margin", 2 * kShortRun);
   gl::bindTexture(*api_, 1, voted_.color());
   fill(tested_);
+  return {};
+}
+
+Result<void> StrokePass::findHalo(const SpineSamples& samples, const DrawOptions& options) {
+  if (options.hidden != Hidden::kStyle || samples.samples.empty()) return {};
+  const float cellPx = haloCellPx(options.widthPx);
+  const gl::TextureSize cells{
+      haloCells(options.viewport.width, cellPx),
+      haloCells(options.viewport.height, cellPx)};
+  if (halo_.size() != cells) {
+    auto map = gl::Target::create(
+        *api_,
+        "the halos of lines",
+        {.size = cells, .hasColor = true, .color = gl::TexelFormat::kR8});
+    if (!map) return tl::unexpected(map.error());
+    halo_ = *std::move(map);
+  }
+  halo_.bind();
+  api_->clearColor(0.0F, 0.0F, 0.0F, 0.0F);
+  api_->clear(GL_COLOR_BUFFER_BIT);
+  api_->disable(GL_BLEND);
+  api_->bindVertexArray(noAttributes_.id());
+  const glm::vec2 cellsInPicture =
+      glm::vec2(options.viewport.width, options.viewport.height) / cellPx;
+  gl::bindTexture(*api_, 0, sampleTexture_);
+  gl::bindTexture(*api_, 1, tested_.color());
+  haloMarkProgram_.use();
+  haloMarkProgram_.set("samples", 0);
+  haloMarkProgram_.set("visibility", 1);
+  haloMarkProgram_.set("cellsInPicture", cellsInPicture);
+  haloMarkProgram_.set("cellsInMap", glm::vec2(cells.width, cells.height));
+  api_->drawArrays(GL_POINTS, 0, static_cast<GLsizei>(samples.samples.size()));
+
+  const auto rows =
+      static_cast<int>((samples.samples.size() + kAtlasWidth - 1) / std::size_t{kAtlasWidth});
+  voted_.bind();
+  api_->viewport(0, 0, kAtlasWidth, rows);
+  haloProgram_.use();
+  haloProgram_.set("samples", 0);
+  haloProgram_.set("visibility", 1);
+  haloProgram_.set("marks", 2);
+  haloProgram_.set("cellsInPicture", cellsInPicture);
+  haloProgram_.set("reach", kHaloCells);
+  gl::bindTexture(*api_, 2, halo_.color());
+  api_->drawArrays(GL_TRIANGLES, 0, 3);
   return {};
 }
 
@@ -220,7 +276,8 @@ void StrokePass::draw(
   strokeProgram_.set("inkPx", options.widthPx);
   strokeProgram_.set("crowding", glm::vec3(kLargestShare, kLeastWidth, kLeastOpacity));
   strokeProgram_.set("paling", glm::vec2(kPaleFrom, kPalest));
-  gl::bindTexture(*api_, 0, tested_.color());
+  const bool hasHalo = options.hidden == Hidden::kStyle;
+  gl::bindTexture(*api_, 0, (hasHalo ? voted_ : tested_).color());
   gl::bindTexture(*api_, 1, style.visible);
   gl::bindTexture(*api_, 2, style.hidden);
   gl::bindTexture(*api_, 3, density_.color());
@@ -237,15 +294,24 @@ void StrokePass::draw(
 }
 
 std::vector<float> StrokePass::readVisibility(std::size_t samples) const {
+  return readAtlas(tested_, 0, samples);
+}
+
+std::vector<float> StrokePass::readClear(std::size_t samples) const {
+  return readAtlas(voted_, 1, samples);
+}
+
+std::vector<float>
+StrokePass::readAtlas(const gl::Target& atlas, std::size_t channel, std::size_t samples) const {
   if (rows_ == 0) return {};
-  tested_.bind();
+  atlas.bind();
   std::vector<std::uint8_t> texels(
       4 * static_cast<std::size_t>(kAtlasWidth) * static_cast<std::size_t>(rows_));
   api_->pixelStorei(GL_PACK_ALIGNMENT, 1);
   api_->readPixels(0, 0, kAtlasWidth, rows_, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
   std::vector<float> values(samples);
   for (std::size_t i = 0; i < samples; ++i)
-    values[i] = static_cast<float>(texels[4 * i]) / 255.0F;
+    values[i] = static_cast<float>(texels[4 * i + channel]) / 255.0F;
   return values;
 }
 

@@ -35,11 +35,16 @@ class StrokePass {
     float widthPx = 1.0F;  // of an ordinary stroke
   };
 
+  /// Finds where hidden lines are clear of visible ones (LineHalo), with the visibility found last,
+  /// of the same samples; nothing where hidden lines have no style of their own. Errors:
+  /// kUnavailable.
+  [[nodiscard]] Result<void> findHalo(const SpineSamples& samples, const DrawOptions& options);
+
   /// Counts how densely lines lie (LineDensity), with the visibility found last, of the same
   /// samples. Errors: kUnavailable.
   [[nodiscard]] Result<void> findDensity(const SpineSamples& samples, const DrawOptions& options);
 
-  /// Clears target (kRg8) and lays the ink on, with the visibility and the density found last:
+  /// Clears target (kRg8) and lays the ink on, with the visibility, halo and density found last:
   /// where lines crowd they are thinner, and hidden ones paler.
   void draw(
       const StrokeMesh& strokes,
@@ -49,10 +54,15 @@ class StrokePass {
 
   /// The visibility found last, 0 … 1 a sample, read back. For tests.
   [[nodiscard]] std::vector<float> readVisibility(std::size_t samples) const;
+  /// The halo found last, read back: 1 where a hidden line is clear of visible ones. For tests.
+  [[nodiscard]] std::vector<float> readClear(std::size_t samples) const;
   /// The density found last, read back: visible and hidden samples, cell after cell. For tests.
   [[nodiscard]] std::vector<glm::ivec2> readDensity() const;
 
  private:
+  [[nodiscard]] std::vector<float>
+  readAtlas(const gl::Target& atlas, std::size_t channel, std::size_t samples) const;
+
   static constexpr int kAtlasWidth = 512;  // samples a row
   static constexpr int kTexels = 3;        // of a sample
 
@@ -60,6 +70,8 @@ class StrokePass {
   gl::Program testProgram_;
   gl::Program voteProgram_;
   gl::Program shapeProgram_;
+  gl::Program haloMarkProgram_;
+  gl::Program haloProgram_;
   gl::Program densityProgram_;
   gl::Program strokeProgram_;
   gl::VertexArray noAttributes_;
@@ -69,8 +81,9 @@ class StrokePass {
   // Grown when a frame needs more rows.
   int rows_ = 0;
   gl::Texture sampleTexture_;
-  gl::Target tested_;  // and at last, with short runs left out
-  gl::Target voted_;
+  gl::Target tested_;   // and at last, with short runs left out
+  gl::Target voted_;    // and at last that again, with where hidden lines are clear of visible ones
+  gl::Target halo_;     // cells of the picture with visible lines
   gl::Target density_;  // visible and hidden samples in each cell of the picture
 };
 

@@ -79,6 +79,7 @@ StrokesMethod::draw(const DrawRequest& request, const gl::Target& picture, Frame
       .viewport = options.viewport,
       .hidden = hiddenMode(options.hidden),
       .widthPx = request.lineWidthPx()};
+  if (auto found = pass_.findHalo(strokes.samples, drawing); !found) return found;
   if (auto found = pass_.findDensity(strokes.samples, drawing); !found) return found;
   tools_.api().finish();
   timings.visibilityMs += millisecondsSince(start);

@@ -6,6 +6,7 @@
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
 #include "client/stroke/stroke_builder.h"
+#include "client/svg/clear_runs.h"
 #include "client/svg/curve_fit.h"
 #include "client/svg/path_data.h"
 #include "client/svg/visible_runs.h"
@@ -260,13 +261,16 @@ std::string svgDrawing(
   const SpineArcs arcs = measureSpines(spines);
   SpineParameters parameters;
   freshParameters(spines, arcs, lines, options.periodPx, parameters);
-  const std::vector<VisibleRun> runs = cutAtVisibility(spines, arcs, lines, resolved, scene);
+  std::vector<VisibleRun> runs = cutAtVisibility(spines, arcs, lines, resolved, scene);
 
   LineDensity density(scene.viewport);
   for (const VisibleRun& run : runs) {
     const bool isVisible = run.visible || options.hiddenAsVisible;
     alongRun(run, [&](const glm::vec2& at, float length) { density.add(at, isVisible, length); });
   }
+
+  if (options.hidden && !options.hiddenAsVisible)
+    runs = clearOfVisible(runs, scene.viewport, options.visible.widthPx);
 
   std::string out = head(scene, style, options);
   for (const bool visible : {false, true}) {

@@ -264,20 +264,21 @@ in highp vec2 along;
 in mediump vec2 opacity;
 in highp float halfWidth;
 in highp float widthShare;
-uniform highp sampler2D visibility;
+uniform highp sampler2D visibility;  // green: clear of visible lines, if there are hidden ones
 uniform sampler2D visibleStroke;
 uniform sampler2D hiddenStroke;
 uniform int hiddenMode;          // 0 its style, 1 not drawn, 2 as visible
 uniform float body;              // share of the strip that is ink
 uniform float rampPx;            // distance along the line over which visibility goes from 0 to 1
 out vec2 ink;
-float visibilityAt(int index) {
+vec2 visibilityAt(int index) {
   int width = textureSize(visibility, 0).x;
-  return texelFetch(visibility, ivec2(index % width, index / width), 0).r;
+  return texelFetch(visibility, ivec2(index % width, index / width), 0).rg;
 }
 void main() {
   float base = floor(spine.y);
-  float seen = mix(visibilityAt(int(base)), visibilityAt(int(base) + 1), spine.y - base);
+  vec2 here = mix(visibilityAt(int(base)), visibilityAt(int(base) + 1), spine.y - base);
+  float seen = here.r;
   // Distance past the place where the line goes hidden, and a round end for the visible part there.
   float past = (seen - 0.5) * rampPx;
   float radius = min(halfWidth * body, 0.45 * rampPx);
@@ -288,6 +289,7 @@ void main() {
   if (seen >= 0.97) share = 1.0;
   float dark = abs(across) < 1.0 ? texture(visibleStroke, vec2(along.x, 0.5 + 0.5 * across)).r : 0.0;
   float faint = hiddenMode == 0 ? texture(hiddenStroke, vec2(along.y, 0.5 + 0.5 * spine.x)).r : 0.0;
+  faint *= smoothstep(0.25, 0.75, here.g);
   ink = vec2(dark * share * opacity.x, faint * (1.0 - share) * opacity.y);
 }
 )";

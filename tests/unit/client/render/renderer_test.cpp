@@ -160,6 +160,43 @@ TEST_P(RendererOn, CrowdedHiddenLinesAreMuchPalerThanFew) {
   EXPECT_LT(2 * darkest(60), alone);
 }
 
+TEST_P(RendererOn, AHiddenLineThatRunsAlongAVisibleOneIsLeftOut) {
+  auto renderer = makeRenderer(GetParam());
+  ASSERT_TRUE(renderer);
+  const MeshSnapshot cube = snapshotOf(primitives::cube());
+  const Camera camera = orbitCamera(cube.model.sphere, 0, 0);
+  const RenderOptions options = inkAt(512);
+  const glm::dmat4 worldFromClip = glm::inverse(camera.clipFromWorld(1.0));
+  // One level line in front of the cube, and one inside of it so many pixels below that.
+  const auto inkOfHidden = [&](double belowPx) {
+    PolylineSet lines;
+    for (const glm::dvec2 place : {glm::dvec2(200.0, -0.9), glm::dvec2(200.0 + belowPx, 0.3)}) {
+      const auto begin = static_cast<std::uint32_t>(lines.points.size());
+      for (const double x : {180.0, 330.0}) {
+        const glm::dvec4 world =
+            worldFromClip * glm::dvec4(x / 256.0 - 1.0, 1.0 - place.x / 256.0, place.y, 1.0);
+        lines.points.push_back(cube.model.grid.fromModel(glm::dvec3(world) / world.w));
+        lines.halfEdges.push_back(kNone);
+        lines.faces.push_back(kNone);
+      }
+      lines.lines.push_back({LineKind::kBorder, false, begin, begin + 2});
+    }
+    const auto with = renderer->render(cube, lines, camera, options);
+    RenderOptions off = options;
+    off.hidden = HiddenLines::kOff;
+    const auto without = renderer->render(cube, lines, camera, off);
+    EXPECT_TRUE(with && without);
+    int ink = 0;
+    for (int y = 190; with && without && y < 230; ++y) {
+      for (int x = 200; x < 310; ++x)
+        ink += darkness(with->image, x, y) - darkness(without->image, x, y);
+    }
+    return ink;
+  };
+  EXPECT_GT(inkOfHidden(12.0), 4000);
+  EXPECT_EQ(inkOfHidden(3.0), 0);
+}
+
 /// Adds a straight line in front of everything. from, to: pixels.
 void addInFront(
     const MeshSnapshot& snapshot,

@@ -2,6 +2,7 @@
 #include "client/render/mesh_pass.h"
 #include "client/render/stroke_pass.h"
 #include "client/stroke/line_density.h"
+#include "client/stroke/line_halo.h"
 #include "client/stroke/visibility.h"
 #include "tests/unit/client/render/scene_fixture.h"
 
@@ -58,6 +59,25 @@ void expectAgreement(GlBackend backend, SilhouetteKind kind) {
     different += std::abs(drawn[i] - expected[i]) > 1.0F / 128.0F ? 1 : 0;
     hidden += expected[i] < 0.5F ? 1 : 0;
   }
+  ASSERT_TRUE(strokePass->findHalo(samples, {.viewport = options.viewport, .widthPx = 3.0F}));
+  const std::vector<float> clear = strokePass->readClear(samples.samples.size());
+  LineHalo halo(options.viewport, 3.0F);
+  const auto pixelOf = [&](std::size_t i) {
+    return samples.samples[i].position * glm::vec2(options.viewport.width, options.viewport.height);
+  };
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    if (drawn[i] > 0.5F) halo.add(pixelOf(i));
+  }
+  std::size_t inHalo = 0;
+  std::size_t otherwise = 0;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    const bool isClear = drawn[i] > 0.5F || !halo.isNear(pixelOf(i));
+    inHalo += isClear ? 0 : 1;
+    otherwise += isClear == (clear[i] > 0.5F) ? 0 : 1;
+  }
+  EXPECT_LE(otherwise, expected.size() / 100);
+  EXPECT_GT(inHalo, 20U);
+  EXPECT_LT(inHalo, hidden);
   // A position within rounding of a pixel's edge may fall to either side, which changes as many
   // samples as the filter's window has.
   EXPECT_LE(different, expected.size() / 100);

@@ -2,8 +2,10 @@
 #include "client/svg/svg_drawing.h"
 
 #include "client/stroke/chain.h"
+#include "client/stroke/line_halo.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
+#include "client/svg/clear_runs.h"
 #include "client/svg/visible_runs.h"
 
 #include "shared/mesh/primitives.h"
@@ -166,6 +168,32 @@ TEST(SvgDrawing, ADrawingOfNothingIsStillADocument) {
   const std::string svg =
       svgDrawing(PolylineSet{}, nothing, drawn.scene(), StrokeStyle{}, options());
   EXPECT_TRUE(svg.ends_with("</g>\n</svg>\n"));
+}
+
+TEST(ClearRuns, HiddenRunsLeaveRoomForVisibleOnes) {
+  // A hidden line that crosses a visible one, then runs along it, and another that only runs along.
+  const VisibleRun visible{{{10.0F, 50.0F}, {200.0F, 50.0F}}, 0, 0.0F, true, false};
+  const VisibleRun crossing{
+      {{20.0F, 10.0F}, {20.0F, 80.0F}, {60.0F, 52.0F}, {150.0F, 52.0F}},
+      1,
+      5.0F,
+      false,
+      false};
+  const VisibleRun beside{{{20.0F, 48.0F}, {190.0F, 48.5F}}, 2, 0.0F, false, false};
+  const VisibleRun apart{{{20.0F, 30.0F}, {190.0F, 30.0F}, {190.0F, 20.0F}}, 3, 0.0F, false, true};
+  const std::vector<VisibleRun> runs =
+      clearOfVisible({visible, crossing, beside, apart}, Viewport{220, 100}, 2.0F);
+  ASSERT_EQ(runs.size(), 4U);
+  EXPECT_EQ(runs[0].points, visible.points);
+  EXPECT_EQ(runs[1].spine, 1U);
+  EXPECT_EQ(runs[1].points.front(), crossing.points.front());
+  EXPECT_NEAR(runs[1].points.back().y, 50.0F - 2.0F * kHaloWidths, 1.6F);
+  EXPECT_EQ(runs[1].points.size(), 2U);
+  EXPECT_NEAR(runs[2].points.front().y, 50.0F + 2.0F * kHaloWidths, 1.6F);
+  EXPECT_NEAR(runs[2].arc, 5.0F + runs[2].points.front().y - 10.0F, 1e-3F);
+  EXPECT_LT(runs[2].points.back().x, 60.0F);
+  EXPECT_TRUE(runs[3].closed);
+  EXPECT_EQ(runs[3].points, apart.points);
 }
 
 TEST(VisibleRuns, CoverEverySpineAndShareTheirCuts) {
