@@ -53,6 +53,7 @@ Result<std::string> svgFile(
   const RenderOptions render = renderOptionsOf(options);
   const float widthPx = lineWidthPx(render, style, camera);
   svg.widthFalloff = lineWidthFalloff(render);
+  svg.inkPx = widthPx;
   svg.periodPx = texturePeriod(style, widthPx);
   svg.visible = penOf(style.visible, files->visible, style, widthPx);
   if (options.hidden == HiddenLines::kStyle) {

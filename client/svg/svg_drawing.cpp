@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/svg/svg_drawing.h"
 
-#include "client/stroke/line_density.h"
 #include "client/stroke/line_fade.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
 #include "client/stroke/stroke_builder.h"
 #include "client/svg/clear_runs.h"
+#include "client/svg/crowded_runs.h"
 #include "client/svg/curve_fit.h"
 #include "client/svg/path_data.h"
 #include "client/svg/visible_runs.h"
@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string_view>
+#include <utility>
 
 namespace limn {
 namespace {
@@ -38,8 +39,10 @@ constexpr std::array<KindName, 8> kKinds = {{
     {LineKind::kSilhouette, "silhouettes", "Silhouettes"},
 }};
 
-/// Fainter lines are left out.
+/// Fainter lines are left out; hidden ones sooner: where many that are next to nothing cross, the
+/// picture has the darkest of them, but in a drawing they add up.
 constexpr float kFaintest = 0.04F;
+constexpr float kFaintestHidden = 0.1F;
 
 /// Dashes of a loop are stretched where they would end up farther than this from the picture's, px.
 constexpr float kLargestDrift = 0.5F;
@@ -165,38 +168,6 @@ float widthOf(LineKind kind, const SvgPen& pen, const StrokeStyle& style) {
   return pen.widthPx * (isInner(kind) ? style.creaseWidth : 1.0F);
 }
 
-/// visit(place, length) for short pieces of a run, one after another.
-template <class Visit>
-void alongRun(const VisibleRun& run, Visit visit) {
-  constexpr float kStepPx = 4.0F;
-  const std::size_t count = run.points.size();
-  for (std::size_t i = 0; i + 1 < count + (run.closed ? 1 : 0); ++i) {
-    const glm::vec2 from = run.points[i];
-    const glm::vec2 to = run.points[(i + 1) % count];
-    const float length = glm::distance(from, to);
-    const float steps = std::max(1.0F, std::ceil(length / kStepPx));
-    for (float k = 0.5F; k < steps; ++k)
-      visit(glm::mix(from, to, k / steps), length / steps);
-  }
-}
-
-/// What a run keeps of itself among others, in the mean.
-Crowding
-crowdingOf(const VisibleRun& run, bool isVisible, const LineDensity& density, float widthPx) {
-  Crowding sum{0.0F, 0.0F};
-  float total = 0.0F;
-  alongRun(run, [&](const glm::vec2& at, float length) {
-    const glm::vec2 d = density.at(at);
-    const Crowding here =
-        isVisible ? crowdingOfVisible(d.x, widthPx) : crowdingOfHidden(d.y, widthPx);
-    sum.width += length * here.width;
-    sum.opacity += length * here.opacity;
-    total += length;
-  });
-  if (!(total > 0.0F)) return {};
-  return {sum.width / total, sum.opacity / total};
-}
-
 std::string dashText(const std::vector<float>& dashPx, float scale) {
   std::string text;
   for (const float dash : dashPx)
@@ -263,14 +234,18 @@ std::string svgDrawing(
   freshParameters(spines, arcs, lines, options.periodPx, parameters);
   std::vector<VisibleRun> runs = cutAtVisibility(spines, arcs, lines, resolved, scene);
 
-  LineDensity density(scene.viewport);
-  for (const VisibleRun& run : runs) {
-    const bool isVisible = run.visible || options.hiddenAsVisible;
-    alongRun(run, [&](const glm::vec2& at, float length) { density.add(at, isVisible, length); });
+  const LineDensity density = densityOf(runs, scene.viewport, options.hiddenAsVisible);
+  if (options.hidden && !options.hiddenAsVisible) {
+    std::vector<VisibleRun> parts;
+    for (VisibleRun& run : clearOfVisible(runs, scene.viewport, options.inkPx)) {
+      if (run.visible) {
+        parts.push_back(std::move(run));
+      } else {
+        cutWherePaler(run, density, options.inkPx, parts);
+      }
+    }
+    runs = std::move(parts);
   }
-
-  if (options.hidden && !options.hiddenAsVisible)
-    runs = clearOfVisible(runs, scene.viewport, options.visible.widthPx);
 
   std::string out = head(scene, style, options);
   for (const bool visible : {false, true}) {
@@ -283,25 +258,25 @@ std::string svgDrawing(
         const bool isVisible = visible || options.hiddenAsVisible;
         const float fade = isVisible ? fades[run.spine].visible : fades[run.spine].hidden;
         const float strength = meanStrength(lines, spines, run.spine);
-        if (fade * strength < kFaintest) continue;
-        if (isEmpty) out += layerHead(kind, visible, pen, style);
-        isEmpty = false;
-        const PathEnds ends = run.closed ? PathEnds::kClosed : PathEnds::kOpen;
         const float usual = widthOf(kind.kind, pen, style);
         const float width =
             usual * meanWidthFactor(spines, run.spine, scene.camera, options.widthFalloff);
-        Crowding crowding = crowdingOf(run, isVisible, density, isVisible ? width : usual);
+        Crowding crowding = crowdingOf(run, isVisible, density, isVisible ? width : options.inkPx);
         if (isVisible) {
           crowding = faded(crowding, fade);
         } else {
           crowding.opacity *= fade;
         }
         const float opacity = strength * crowding.opacity;
+        if (opacity < (isVisible ? kFaintest : kFaintestHidden)) continue;
+        if (isEmpty) out += layerHead(kind, visible, pen, style);
+        isEmpty = false;
         out += "<path";
         if (std::abs(width * crowding.width - usual) > 0.05F * usual)
           out += attribute("stroke-width", number(width * crowding.width));
         if (opacity < 0.995F) out += attribute("opacity", number(opacity));
         out += dashAttributes(run, pen, spines, arcs, parameters);
+        const PathEnds ends = run.closed ? PathEnds::kClosed : PathEnds::kOpen;
         out += attribute("d", pathData(fitPath(run.points, ends), ends)) + "/>\n";
       }
       if (!isEmpty) out += "</g>\n";

@@ -30,6 +30,7 @@ struct SvgOptions {
   std::optional<SvgPen> hidden;  // unset: hidden lines are left out
   bool hiddenAsVisible = false;  // hidden lines crowd and fade as visible ones do
   float widthFalloff = 0.0F;     // of both pens: StrokeBuildOptions has it
+  float inkPx = 2.5F;            // an ordinary stroke's width in the picture: what lines crowd by
   float periodPx = 1.0F;         // of the picture's textures: dashes lie where its own do
 };
 

@@ -6,6 +6,7 @@
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
 #include "client/svg/clear_runs.h"
+#include "client/svg/crowded_runs.h"
 #include "client/svg/visible_runs.h"
 
 #include "shared/mesh/primitives.h"
@@ -194,6 +195,35 @@ TEST(ClearRuns, HiddenRunsLeaveRoomForVisibleOnes) {
   EXPECT_LT(runs[2].points.back().x, 60.0F);
   EXPECT_TRUE(runs[3].closed);
   EXPECT_EQ(runs[3].points, apart.points);
+}
+
+TEST(CrowdedRuns, AHiddenRunIsCutWhereItPales) {
+  // From open paper in between a hundred others, and out again.
+  std::vector<VisibleRun> runs = {{{{10.0F, 150.0F}, {590.0F, 150.0F}}, 0, 7.0F, false, false}};
+  for (int i = 0; i < 100; ++i) {
+    const float y = 100.0F + static_cast<float>(i);
+    runs.push_back({{{250.0F, y}, {350.0F, y}}, 1, 0.0F, false, false});
+  }
+  const LineDensity density = densityOf(runs, Viewport{600, 300}, false);
+  std::vector<VisibleRun> parts;
+  cutWherePaler(runs.front(), density, 2.0F, parts);
+  ASSERT_GT(parts.size(), 2U);
+  EXPECT_EQ(parts.front().points.front(), runs.front().points.front());
+  EXPECT_EQ(parts.back().points.back(), runs.front().points.back());
+  float palest = 1.0F;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    palest = std::min(palest, crowdingOf(parts[i], false, density, 2.0F).opacity);
+    EXPECT_NEAR(parts[i].arc, 7.0F + parts[i].points.front().x - 10.0F, 1e-2F);
+    if (i == 0) continue;
+    EXPECT_EQ(parts[i].points.front(), parts[i - 1].points.back());
+  }
+  EXPECT_GT(crowdingOf(parts.front(), false, density, 2.0F).opacity, 0.7F);
+  EXPECT_LT(palest, 2.0F * kPalest);
+  EXPECT_GT(crowdingOf(runs.front(), false, density, 2.0F).opacity, 3.0F * palest);
+
+  parts.clear();
+  cutWherePaler({{{10.0F, 20.0F}, {590.0F, 20.0F}}, 2, 0.0F, false, false}, density, 2.0F, parts);
+  EXPECT_EQ(parts.size(), 1U);
 }
 
 TEST(VisibleRuns, CoverEverySpineAndShareTheirCuts) {
