@@ -10,6 +10,7 @@
 #include "server/session/view_cells.h"
 #include "server/store/asset_store.h"
 #include "server/transport/access.h"
+#include "server/transport/lws_setup.h"
 #include "server/transport/lws_transport.h"
 #include "server/transport/worker_pool.h"
 

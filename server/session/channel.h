@@ -2,20 +2,22 @@
 #pragma once
 
 #include "server/session/catalogue.h"
+#include "server/session/contour_requests.h"
 #include "server/session/have_set.h"
 #include "server/session/hull_stream.h"
 #include "server/session/model.h"
-#include "server/session/motion.h"
+#include "server/session/model_start.h"
 #include "server/session/rate_limit.h"
+#include "server/session/resumed_set.h"
 #include "server/session/scheduler.h"
 #include "server/session/view_cells.h"
+#include "server/session/way_ahead.h"
 #include "server/session/window.h"
 
 #include "protocol/messages.h"
 
 #include "shared/core/rng.h"
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -111,7 +113,7 @@ class Channel {
   [[nodiscard]] Result<void> getContour(const protocol::GetContour& request, ViewCells& cells);
 
   /// Why the channel must be closed: a contour that cannot be sent.
-  [[nodiscard]] bool contourFailed() const { return contourFailed_; }
+  [[nodiscard]] bool contourFailed() const { return contours_.hasFailed(); }
 
   /// Takes in finished target sets and the passing of time. True when there may be more to send.
   [[nodiscard]] bool update(ViewCells& cells, std::int64_t nowMs);
@@ -158,6 +160,9 @@ class Channel {
   }
 
  private:
+  /// Of a client's room: what is only prefetched leaves the last one free.
+  static constexpr std::uint32_t kAheadQuarters = 3;
+
   /// What is being sent once the level blocks are through.
   enum class Plan : std::uint8_t {
     kNothing,      // no pose yet, or its target set is on its way and there is none to go on with
@@ -169,23 +174,18 @@ class Channel {
 
   void take(const protocol::Pose& pose, ViewCells& cells, std::int64_t nowMs);
   [[nodiscard]] bool resting(std::int64_t nowMs) const;
-  [[nodiscard]] HaveSet haveAfterStart() const;
   [[nodiscard]] bool planIsFinal() const;
   void adopt(Plan plan, std::shared_ptr<const TargetSet> target, ViewCell cell = kNoCell);
   bool adoptPending();
   void noteStay(ViewCells& cells, std::int64_t nowMs);
   bool steer(ViewCells& cells, std::int64_t nowMs);
   [[nodiscard]] bool isInView() const;
-  void noteAllHeld(ViewCell cell);
-  [[nodiscard]] bool isAllHeld(ViewCell cell) const;
   /// Splits that the client still has room for, of `share` quarters of its limit.
   [[nodiscard]] std::uint32_t roomFor(std::uint32_t share) const;
   [[nodiscard]] std::uint32_t missing() const;
   [[nodiscard]] Result<void> finishResume();
   [[nodiscard]] std::optional<OutMessage> nextStart(const Window& window);
-  [[nodiscard]] std::optional<OutMessage> nextBlock(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextHull(const Window& window);
-  bool updateContour(ViewCells& cells);
   [[nodiscard]] std::optional<OutMessage> nextContour(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextNeeded(const Window& window);
   [[nodiscard]] std::optional<OutMessage> nextAhead(const Window& window);
@@ -209,27 +209,12 @@ class Channel {
   HaveSet have_;
   Rng rng_;
 
-  // Resuming.
-  std::optional<Sha256Digest> resumeAsset_;
-  std::uint32_t resumeNext_ = 0;  // where the next piece must begin
-  bool resumeBase_ = false;
-  std::uint32_t resumeSeeds_ = 0;
-  bool awaitingHaveSet_ = false;
-  bool resumeEnded_ = false;
-
-  // The start, the same for everyone.
+  ResumedSet resumed_;
   bool infoSent_ = false;
-  bool baseSent_ = false;
-  bool blocksDone_ = false;
-  std::uint32_t nextBlock_ = 0;
-  std::size_t seedsSent_ = 0;  // bytes
+  ModelStart start_;
   HullStream hulls_;
-
-  // Exact contours.
-  std::optional<protocol::GetContour> contourWanted_;  // the newest that is not being worked on
-  std::uint32_t contourId_ = 0;                        // of the last request
-  ViewCells::ContourTicket contour_;                   // being worked on, or to be sent
-  bool contourFailed_ = false;                         // too large for a message, or no mesh
+  ContourRequests contours_;
+  WayAhead way_;
 
   // The pose and what it needs.
   std::optional<protocol::Pose> heldPose_;  // until it is its turn
@@ -259,31 +244,6 @@ class Channel {
   std::optional<std::vector<std::uint8_t>> droppedAnswer_;
   double bytesPerSplit_ = 4.0;  // running estimate
   std::uint64_t servedBytes_ = 0;
-
-  // Where the camera is going.
-  Motion motion_;
-
-  struct WayPoint {
-    ViewCell cell = kNoCell;
-    std::int64_t atMs = 0;  // when the camera will be there
-  };
-
-  struct Ahead {
-    ViewCell cell = kNoCell;
-    std::shared_ptr<const TargetSet> set;
-    WayPoint heldTo;  // nothing else is missing up to there
-  };
-
-  std::vector<Ahead> ahead_;        // cells on the way, nearest first, of which something may miss
-  bool aheadAsked_ = false;         // the next cell on the way is not there yet
-  std::int64_t aheadStep_ = -1;     // how far along the pose's way that is; -1: not looked at
-  WayPoint heldTo_;                 // nothing is missing on the way up to there
-  bool wayIsHeld_ = false;          // or on all of it that was to be sent when it was looked at
-  std::int64_t wayLookedAtMs_ = 0;  // pose of that time
-  // Cells of which nothing is missing, the latest few, a ring: those on the way are met again with
-  // every pose.
-  std::array<ViewCell, 8> allHeld_{};
-  std::size_t nextAllHeld_ = 0;
 };
 
 }  // namespace limn

@@ -70,7 +70,4 @@ class LwsTransport {
   [[nodiscard]] static std::int64_t nowMs();
 };
 
-/// Sends the library's own messages somewhere; they are lines without newline. Call first.
-void setTransportLog(std::function<void(const std::string&)> sink);
-
 }  // namespace limn

@@ -254,10 +254,11 @@ class Server:
         lines = []
 
         def read(stream):
-            for line in stream:
-                lines.append(line)
-                if "listening on" in line:
-                    ready.set()
+            with contextlib.suppress(ValueError):  # closed meanwhile
+                for line in stream:
+                    lines.append(line)
+                    if "listening on" in line:
+                        ready.set()
             ready.set()
 
         threading.Thread(target=read, args=(self.process.stdout,), daemon=True).start()
