@@ -68,7 +68,13 @@ glm::dvec4 SegmentJudge::clipOf(const glm::dvec3& p) const {
 }
 
 glm::dvec3 SegmentJudge::project(const glm::dvec4& clip) const {
-  return clip.w > 0.0 ? pixelFromClip(clip, scene_.viewport) : glm::dvec3(0.0);
+  if (!(clip.w > 0.0)) return glm::dvec3(0.0);
+  // As pixelFromClip(), but divided once.
+  const double half = 0.5 / clip.w;
+  return {
+      (half * clip.x + 0.5) * scene_.viewport.width,
+      (0.5 - half * clip.y) * scene_.viewport.height,
+      half * clip.z + 0.5};
 }
 
 float SegmentJudge::slopeBias(FaceId face, float reachPx) const {
@@ -121,14 +127,16 @@ SegmentFacts SegmentJudge::judgeSmooth(FaceId face, std::uint32_t point, std::ui
   const glm::dvec2 outward =
       coursePx > 1e-6 ? glm::dvec2(-course.y, course.x) / coursePx : glm::dvec2(0.0);
   const double length2 = glm::dot(along, along);
+  const double perLength2 = length2 > 0.0 ? 1.0 / length2 : 0.0;
   double nearest = 0.0;
   double farthest = 0.0;
   double standOut = 0.0;
   for (const glm::dvec3& corner : {a, b, c}) {
-    const double share = length2 > 0.0 ? glm::dot(corner - from, along) / length2 : 0.0;
+    const double share = perLength2 * glm::dot(corner - from, along);
     const glm::dvec3 there = project(clipOf(corner));
-    const glm::dvec4 foot = clipFrom + share * (clipTo - clipFrom);
-    const double rise = foot.w > 0.0 ? there.z - 0.5 * (foot.z / foot.w + 1.0) : 0.0;
+    const double footW = clipFrom.w + share * (clipTo.w - clipFrom.w);
+    const double footZ = clipFrom.z + share * (clipTo.z - clipFrom.z);
+    const double rise = footW > 0.0 ? there.z - 0.5 * (footZ / footW + 1.0) : 0.0;
     nearest = std::min(nearest, rise);
     farthest = std::max(farthest, rise);
     standOut = std::max(standOut, glm::dot(glm::dvec2(there) - start, outward));
