@@ -14,6 +14,22 @@ namespace {
 /// Faces that a place is nearer to than this (grid units) are those it lies on.
 constexpr double kOnSurface = 1e-4;
 
+// Whether the way from a place to the eye meets a face; its edges count.
+bool isBefore(const CoverSearch::Corners& corners, const glm::dvec3& place, const glm::dvec3& way) {
+  const glm::dvec3 a = glm::dvec3(corners[0]) - place;
+  const glm::dvec3 b = glm::dvec3(corners[1]) - place;
+  const glm::dvec3 c = glm::dvec3(corners[2]) - place;
+  const glm::dvec3 across = glm::cross(way, a);
+  const double ab = glm::dot(across, b);
+  const double ca = -glm::dot(across, c);
+  if (ab * ca < 0.0) return false;
+  const double bc = glm::dot(way, glm::cross(b, c));
+  if (ab * bc < 0.0 || ca * bc < 0.0) return false;
+  const glm::dvec3 n = glm::cross(b - a, c - a);
+  const double facing = glm::dot(n, way);
+  return facing != 0.0 && glm::dot(n, a) / facing * glm::length(way) > kOnSurface;
+}
+
 }  // namespace
 
 CoverSearch::CoverSearch(const LineScene& scene)
@@ -32,42 +48,45 @@ bool CoverSearch::isOwn(FaceId face, const Place& place) const {
   return false;
 }
 
-// Whether the way from a place to the eye meets a face; its edges count.
-bool CoverSearch::isBefore(FaceId face, const glm::dvec3& place, const glm::dvec3& way) const {
-  const glm::dvec3 a = corner(3 * face) - place;
-  const glm::dvec3 b = corner(3 * face + 1) - place;
-  const glm::dvec3 c = corner(3 * face + 2) - place;
-  const glm::dvec3 across = glm::cross(way, a);
-  const double ab = glm::dot(across, b);
-  const double ca = -glm::dot(across, c);
-  if (ab * ca < 0.0) return false;
-  const double bc = glm::dot(way, glm::cross(b, c));
-  if (ab * bc < 0.0 || ca * bc < 0.0) return false;
-  const glm::dvec3 n = glm::cross(b - a, c - a);
-  const double facing = glm::dot(n, way);
-  return facing != 0.0 && glm::dot(n, a) / facing * glm::length(way) > kOnSurface;
+// Neighbouring places mostly have the same faces to start with.
+void CoverSearch::begin(std::span<const FaceId> start) {
+  if (std::equal(start.begin(), start.end(), start_.begin(), start_.end())) return;
+  start_.assign(start.begin(), start.end());
+  faces_ = start_;
+  rings_ = 0;
+}
+
+// One more ring: first which faces it has, then where all their corners are, so that much of the
+// mesh is waited for at once.
+void CoverSearch::addRing() {
+  const std::size_t done = rings_ > 0 ? ringEnd_[rings_ - 1] : 0;
+  for (std::size_t i = rings_ > 1 ? ringEnd_[rings_ - 2] : 0; i < done; ++i) {
+    for (HalfEdgeId h = 3 * faces_[i]; h < 3 * faces_[i] + 3; ++h) {
+      const HalfEdgeId twin = scene_.mesh.twin(h);
+      if (twin == kNone) continue;
+      const FaceId beside = HalfEdgeMesh::face(twin);
+      if (std::find(faces_.begin(), faces_.end(), beside) == faces_.end()) faces_.push_back(beside);
+    }
+  }
+  corners_.resize(faces_.size());
+  for (std::size_t i = done; i < faces_.size(); ++i) {
+    for (HalfEdgeId k = 0; k < 3; ++k)
+      corners_[i][k] = scene_.positions[scene_.mesh.origin(3 * faces_[i] + k)];
+  }
+  ringEnd_[rings_++] = faces_.size();
 }
 
 bool CoverSearch::covers(std::span<const FaceId> start, const Place& place) {
+  begin(start);
   const glm::dvec3 way = towardEye(place.at);
-  tried_.assign(start.begin(), start.end());
   bool isFacetBefore = false;
   std::size_t next = 0;
-  for (int ring = 0; ring <= kRings; ++ring) {
-    for (const std::size_t end = tried_.size(); next < end; ++next) {
-      const FaceId face = tried_[next];
-      if (isBefore(face, place.at, way) && !isOwn(face, place)) {
-        if (place.own == Own::kFace || !ownSurface_.has(place.face, face)) return true;
-        isFacetBefore = true;
-      }
-      if (ring == kRings) continue;
-      for (HalfEdgeId h = 3 * face; h < 3 * face + 3; ++h) {
-        const HalfEdgeId twin = scene_.mesh.twin(h);
-        if (twin == kNone) continue;
-        const FaceId beside = HalfEdgeMesh::face(twin);
-        if (std::find(tried_.begin(), tried_.end(), beside) == tried_.end())
-          tried_.push_back(beside);
-      }
+  for (std::size_t ring = 0; ring <= kRings; ++ring) {
+    if (ring == rings_) addRing();
+    for (; next < ringEnd_[ring]; ++next) {
+      if (!isBefore(corners_[next], place.at, way) || isOwn(faces_[next], place)) continue;
+      if (place.own == Own::kFace || !ownSurface_.has(place.face, faces_[next])) return true;
+      isFacetBefore = true;
     }
   }
   return isFacetBefore && isCoveredAside(place);
@@ -81,9 +100,10 @@ bool CoverSearch::isCoveredAside(const Place& place) const {
       scene_.grid.step * pixelsPerUnit(scene_.camera, scene_.viewport, distance);
   const glm::dvec3 aside = place.at + OwnSurface::kReachPx / pixelsPerGrid * place.out;
   const glm::dvec3 way = towardEye(aside);
-  return std::any_of(tried_.begin(), tried_.end(), [&](FaceId face) {
-    return isBefore(face, aside, way) && !isOwn(face, place);
-  });
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    if (isBefore(corners_[i], aside, way) && !isOwn(faces_[i], place)) return true;
+  }
+  return false;
 }
 
 CoverSearch::Place

@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -49,9 +50,11 @@ class CoverSearch {
   [[nodiscard]] double
   coveredShare(HalfEdgeId out, const glm::dvec3& to, FaceId own, FaceId ownOther) const;
 
+  using Corners = std::array<glm::ivec3, 3>;  // of a face, on the grid
+
   /// Edges between a face of `start` and the farthest that is tried: the outline of a smooth
   /// silhouette's surface is one or two faces away from it.
-  static constexpr int kRings = 2;
+  static constexpr std::size_t kRings = 2;
 
  private:
   [[nodiscard]] glm::dvec3 corner(HalfEdgeId h) const {
@@ -64,15 +67,22 @@ class CoverSearch {
 
   [[nodiscard]] double coveredBy(HalfEdgeId corner, const glm::dvec3& apex, const glm::dvec3& along)
       const;
+
+  void begin(std::span<const FaceId> start);
+  void addRing();
   [[nodiscard]] bool isOwn(FaceId face, const Place& place) const;
   [[nodiscard]] bool isCoveredAside(const Place& place) const;
-  [[nodiscard]] bool isBefore(FaceId face, const glm::dvec3& place, const glm::dvec3& way) const;
 
   LineScene scene_;
   glm::dvec3 eye_;  // grid units
   glm::dvec3 toEyeAtInfinity_;
   OwnSurface ownSurface_;
-  std::vector<FaceId> tried_;
+  // Of the last start: the faces so far, ring by ring, and where their corners are.
+  std::vector<FaceId> start_;
+  std::vector<FaceId> faces_;
+  std::vector<Corners> corners_;
+  std::array<std::size_t, kRings + 1> ringEnd_{};
+  std::size_t rings_ = 0;
 };
 
 }  // namespace limn

@@ -29,24 +29,37 @@ std::span<const FaceId> OwnSurface::around(FaceId face) {
 // Faces three corners apart have vertices with a neighbour in common.
 bool OwnSurface::has(FaceId face, FaceId other) {
   static_assert(kRings == 3);
-  if (face != centre_) gatherVertices(face, near_);
-  centre_ = face;
-  gatherVertices(other, beside_);
-  return std::find_first_of(near_.begin(), near_.end(), beside_.begin(), beside_.end()) !=
-         near_.end();
-}
-
-// Its corners and their neighbours.
-void OwnSurface::gatherVertices(FaceId face, std::vector<std::uint32_t>& out) const {
-  out.clear();
-  for (HalfEdgeId first = 3 * face; first < 3 * face + 3; ++first) {
-    out.push_back(mesh_.origin(first));
-    forFan(mesh_, first, [&](HalfEdgeId h) {
-      out.push_back(mesh_.target(h));
-      // The last of an open fan has one more neighbour.
-      if (mesh_.rotateCcw(h) == kNone) out.push_back(mesh_.origin(HalfEdgeMesh::prev(h)));
+  if (face != centre_) {
+    near_.clear();
+    nearBits_ = 0;
+    anyAround(face, [&](std::uint32_t vertex) {
+      near_.push_back(vertex);
+      nearBits_ |= bitOf(vertex);
+      return false;
     });
   }
+  centre_ = face;
+  return anyAround(other, [&](std::uint32_t vertex) {
+    return (nearBits_ & bitOf(vertex)) != 0 &&
+           std::find(near_.begin(), near_.end(), vertex) != near_.end();
+  });
+}
+
+// Whether accept(vertex) of any of a face's corners and their neighbours; asks until one is.
+template <class Accept>
+bool OwnSurface::anyAround(FaceId face, Accept accept) const {
+  for (HalfEdgeId first = 3 * face; first < 3 * face + 3; ++first) {
+    if (accept(mesh_.origin(first))) return true;
+  }
+  bool isAny = false;
+  for (HalfEdgeId first = 3 * face; !isAny && first < 3 * face + 3; ++first) {
+    forFan(mesh_, first, [&](HalfEdgeId h) {
+      isAny = isAny || accept(mesh_.target(h)) ||
+              // The last of an open fan has one more neighbour.
+              (mesh_.rotateCcw(h) == kNone && accept(mesh_.origin(HalfEdgeMesh::prev(h))));
+    });
+  }
+  return isAny;
 }
 
 }  // namespace limn

@@ -30,14 +30,19 @@ class OwnSurface {
   static constexpr double kReachPx = 0.5;
 
  private:
-  void gatherVertices(FaceId face, std::vector<std::uint32_t>& out) const;
+  template <class Accept>
+  bool anyAround(FaceId face, Accept accept) const;
+
+  [[nodiscard]] static std::uint64_t bitOf(std::uint32_t vertex) {
+    return std::uint64_t{1} << (vertex % 64);
+  }
 
   const HalfEdgeMesh& mesh_;
   FaceId face_ = kNone;
   std::vector<FaceId> faces_;
   FaceId centre_ = kNone;
   std::vector<std::uint32_t> near_;  // vertices around centre_
-  std::vector<std::uint32_t> beside_;
+  std::uint64_t nearBits_ = 0;       // bitOf() them all
 };
 
 }  // namespace limn
