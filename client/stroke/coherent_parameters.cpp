@@ -19,7 +19,7 @@ namespace {
 constexpr float kStepPx = 6.0F;    // between marks, and between questions
 constexpr float kReachPx = 6.0F;   // how far a line may have moved from its mark
 constexpr float kDepthPx = 40.0F;  // and in depth, in pixels' worth of model
-constexpr int kCellPx = 12;
+constexpr int kCellPx = 8;
 constexpr float kMinCosine = 0.6F;  // between the line now and then
 /// Votes a step apart agree when the texture between them is stretched by less than this share.
 constexpr float kMaxStretch = 0.5F;
