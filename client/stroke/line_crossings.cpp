@@ -257,6 +257,14 @@ bool LineCrossings::isBefore(
     const glm::dvec3& from,
     const glm::dvec3& to,
     double reachPx) const {
+  // Most pass by on one side of the edge's straight line.
+  const glm::dvec3& a = edges_[edge].a;
+  const glm::dvec2 course(edges_[edge].b - a);
+  const double fromAside = cross2(course, glm::dvec2(from - a));
+  const double toAside = cross2(course, glm::dvec2(to - a));
+  const double limit = 1.000001 * reachPx * reachPx * glm::dot(course, course);
+  if (fromAside * toAside > 0.0 && std::min(fromAside * fromAside, toAside * toAside) > limit)
+    return false;
   // Segments are closest at an end of one of them.
   if (isBefore(edge, from, reachPx) || isBefore(edge, to, reachPx)) return true;
   const auto isEndBefore = [&](const glm::dvec3& end) {
