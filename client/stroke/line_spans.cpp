@@ -15,7 +15,6 @@
 #include "client/stroke/clip_segment.h"
 #include "client/stroke/cover_search.h"
 #include "client/stroke/outline_walk.h"
-#include "client/stroke/prefetch_faces.h"
 #include "client/stroke/segment_facts.h"
 
 #include "shared/mesh/edge_shape.h"
@@ -81,14 +80,10 @@ class SpanCutter {
   void gather(std::span<const std::uint8_t> isWanted) {
     memory_.segments_.clear();
     memory_.lineBegin_.clear();
-    const auto faceOf = [&](std::size_t point) {
-      return isWanted.empty() || isWanted[point] != 0 ? lines_.faces[point] : kNone;
-    };
     for (const PolylineSet::Line& line : lines_.lines) {
       memory_.lineBegin_.push_back(static_cast<std::uint32_t>(memory_.segments_.size()));
       std::uint32_t begin = line.begin;
       for (std::uint32_t point = line.begin; point < line.begin + line.segmentCount(); ++point) {
-        prefetchFaces(scene_, point, lines_.faces.size(), faceOf);
         // What has no answers of its own, since it is too short, is a part of what comes next.
         const bool isSmooth = lines_.halfEdges[point] == kNone;
         if (isSmooth && !isWanted.empty() && isWanted[point] == 0) continue;
@@ -97,7 +92,7 @@ class SpanCutter {
         segment.point = point;
         segment.next = point + 1 < line.end ? point + 1 : line.begin;
         judge(line, segment);
-        place(segment);
+        place(line, segment);
         begin = point + 1;
       }
     }
@@ -136,7 +131,7 @@ class SpanCutter {
       out_.begin.resize(segment.point + 1, static_cast<std::uint32_t>(out_.pieces.size()));
       if (!goesOn || segment.isHiddenAtStart) out_.states.push_back(State::kOpen);
       if (segment.isHiddenAtStart) out_.states.back() = State::kHidden;
-      meet(line, segment);
+      meet(segment);
       for (const LineCrossings::Crossing& c : memory_.found_) {
         end(c.inPicture);
         if (!c.enters) hide();
@@ -155,14 +150,6 @@ class SpanCutter {
   }
 
  private:
-  /// A point of a line as the picture has it.
-  struct End {
-    std::uint32_t point = kNone;
-    bool isInside = false;
-    glm::dvec4 inClip{0.0};
-    glm::dvec3 inPicture{0.0};
-  };
-
   [[nodiscard]] static bool isContour(const PolylineSet::Line& line) {
     return line.kind == LineKind::kSilhouette && !line.onSurface;
   }
@@ -222,10 +209,10 @@ class SpanCutter {
   }
 
   // Where a segment of a line lies in the picture. Of what its own surface hides nobody asks.
-  void place(Segment& segment) {
+  void place(const PolylineSet::Line& line, Segment& segment) {
     if (segment.isHidden) return;
     if (begin_.point != segment.begin) begin_ = endAt(segment.begin);
-    const End end = endAt(segment.next);
+    const LineEnd end = endAt(segment.next);
     const glm::dvec4& a = begin_.inClip;
     const glm::dvec4& b = end.inClip;
     const ClipSpan part = begin_.isInside && end.isInside ? ClipSpan{} : clipSegment(a, b);
@@ -237,12 +224,13 @@ class SpanCutter {
                                       : begin_.inPicture;
       segment.to =
           part.end < 1.0 ? pixelFromClip(a + part.end * (b - a), scene_.viewport) : end.inPicture;
+      out_.facts[segment.point] = judge_.judge(line, segment.point, begin_, end);
     }
     begin_ = end;
   }
 
-  [[nodiscard]] End endAt(std::uint32_t point) const {
-    End end;
+  [[nodiscard]] LineEnd endAt(std::uint32_t point) const {
+    LineEnd end;
     end.point = point;
     end.inClip = clipFromGrid_ * glm::dvec4(lines_.points[point], 1.0);
     end.isInside = isInPicture(end.inClip);
@@ -305,7 +293,7 @@ class SpanCutter {
   }
 
   // Where a segment passes behind others' surfaces (found_).
-  void meet(const PolylineSet::Line& line, Segment& segment) {
+  void meet(Segment& segment) {
     std::vector<LineCrossings::Crossing>& found = memory_.found_;
     found.clear();
     if (!segment.isInPicture || segment.isHidden) return;
@@ -325,7 +313,7 @@ class SpanCutter {
         if (segment.isSmooth) out_.isNearest[segment.point] = 1;
       }
     }
-    leaveOutOwn(line, segment);
+    leaveOutOwn(segment);
   }
 
   // Edges before and after a segment's are its line's as far as that goes on without a gap: where
@@ -354,10 +342,10 @@ class SpanCutter {
         });
   }
 
-  void leaveOutOwn(const PolylineSet::Line& line, const Segment& segment) {
+  void leaveOutOwn(const Segment& segment) {
     std::vector<LineCrossings::Crossing>& found = memory_.found_;
     if (isPolygonal_ || found.empty() || !segment.isSmooth) return;
-    const double own = kOwnSurface * judge_.judge(line, segment.point, segment.next).bias;
+    const double own = kOwnSurface * out_.facts[segment.point].bias;
     std::erase_if(found, [&](const LineCrossings::Crossing& c) { return c.gap < own; });
   }
 
@@ -538,7 +526,7 @@ class SpanCutter {
   const LineScene& scene_;
   LineSpanFinder& memory_;
   LineSpans& out_;
-  End begin_;  // of the segment at hand: where the one before ended
+  LineEnd begin_;  // of the segment at hand: where the one before ended
   SegmentJudge judge_;
   OutlineWalk walk_;
   CoverSearch search_;
@@ -558,6 +546,7 @@ void LineSpanFinder::find(
   out.begin.clear();
   out.states.clear();
   out.isNearest.assign(lines.points.size(), 0);
+  out.facts.assign(lines.points.size(), {});
   SpanCutter cutter(lines, scene, *this, out);
   cutter.gather(isWanted);
   for (std::size_t i = 0; i < lines.lines.size(); ++i)

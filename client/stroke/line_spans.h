@@ -5,6 +5,7 @@
 #include "client/stroke/line_crossings.h"
 #include "client/stroke/line_scene.h"
 #include "client/stroke/polyline.h"
+#include "client/stroke/segment_facts.h"
 #include "client/stroke/span_segment.h"
 
 #include <glm/glm.hpp>
@@ -41,6 +42,7 @@ struct LineSpans {
   /// By point: no line that is nearer to the eye comes within kBesidePx of a smooth silhouette's
   /// segment. What hides it by less than that has no line of its own there.
   std::vector<std::uint8_t> isNearest;
+  std::vector<SegmentFacts> facts;  // by point: of its segment, where that is not all hidden
 
   /// The span at a place of the segment that starts at a point.
   [[nodiscard]] std::uint32_t spanAt(std::uint32_t point, float share) const {

@@ -107,22 +107,23 @@ float SegmentJudge::biasAround(FaceId face) const {
   return std::min(bias, static_cast<float>(kMostOfSliver * floor_));
 }
 
-SegmentFacts SegmentJudge::judgeSmooth(FaceId face, std::uint32_t point, std::uint32_t next) const {
+SegmentFacts SegmentJudge::judgeSmooth(FaceId face, const LineEnd& begin, const LineEnd& end)
+    const {
   const glm::dvec3 a = corner(3 * face);
   const glm::dvec3 b = corner(3 * face + 1);
   const glm::dvec3 c = corner(3 * face + 2);
-  const glm::dvec3 from(lines_.points[point]);
-  const glm::dvec3 along = glm::dvec3(lines_.points[next]) - from;
+  const glm::dvec3 from(lines_.points[begin.point]);
+  const glm::dvec3 along = glm::dvec3(lines_.points[end.point]) - from;
   SegmentFacts facts;
   // Lines run with the front side to their left.
   facts.openSide = 1.0F;
   // The line may lie on a face turned away, under the faces around it: as deep as its own face is
   // across the line. Along it the line's own depth goes with the face: a rod's long faces reach
   // far.
-  const glm::dvec4 clipFrom = clipOf(from);
-  const glm::dvec4 clipTo = clipOf(from + along);
-  const glm::dvec2 start(project(clipFrom));
-  const glm::dvec2 course = glm::dvec2(project(clipTo)) - start;
+  const glm::dvec4& clipFrom = begin.inClip;
+  const glm::dvec4& clipTo = end.inClip;
+  const glm::dvec2 start(clipFrom.w > 0.0 ? begin.inPicture : glm::dvec3(0.0));
+  const glm::dvec2 course = glm::dvec2(clipTo.w > 0.0 ? end.inPicture : glm::dvec3(0.0)) - start;
   const double coursePx = glm::length(course);
   const glm::dvec2 outward =
       coursePx > 1e-6 ? glm::dvec2(-course.y, course.x) / coursePx : glm::dvec2(0.0);
@@ -147,8 +148,11 @@ SegmentFacts SegmentJudge::judgeSmooth(FaceId face, std::uint32_t point, std::ui
   return facts;
 }
 
-SegmentFacts
-SegmentJudge::judge(const PolylineSet::Line& line, std::uint32_t point, std::uint32_t next) const {
+SegmentFacts SegmentJudge::judge(
+    const PolylineSet::Line& line,
+    std::uint32_t point,
+    const LineEnd& from,
+    const LineEnd& to) const {
   const bool isSilhouette = line.kind == LineKind::kSilhouette && !line.onSurface;
   SegmentFacts facts;
   const HalfEdgeId h = lines_.halfEdges[point];
@@ -159,7 +163,7 @@ SegmentJudge::judge(const PolylineSet::Line& line, std::uint32_t point, std::uin
     if (isSilhouette) facts.openSide = 1.0F;
     return facts;
   }
-  if (isSilhouette && h == kNone) return judgeSmooth(face, point, next);
+  if (isSilhouette && h == kNone) return judgeSmooth(face, from, to);
   if (h == kNone) {
     facts.bias = slopeBias(face, kReachPx);
     return facts;

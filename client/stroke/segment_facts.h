@@ -22,15 +22,25 @@ struct SegmentFacts {
   float standOutPx = 0.0F;
 };
 
+/// A point of a line as the picture has it.
+struct LineEnd {
+  std::uint32_t point = kNone;  // of the PolylineSet
+  bool isInside = false;        // isInPicture()
+  glm::dvec4 inClip{0.0};
+  glm::dvec3 inPicture{0.0};  // pixels, window depth; means nothing behind the eye
+};
+
 /// Works out SegmentFacts for one camera.
 class SegmentJudge {
  public:
   SegmentJudge(const PolylineSet& lines, const LineScene& scene);
 
-  /// point: the segment of `line` that starts at lines.points[point]; next: its end point.
-  /// Cost: O(1).
-  [[nodiscard]] SegmentFacts
-  judge(const PolylineSet::Line& line, std::uint32_t point, std::uint32_t next) const;
+  /// The segment of `line` on the edge or face of lines.points[point]. Cost: O(1).
+  [[nodiscard]] SegmentFacts judge(
+      const PolylineSet::Line& line,
+      std::uint32_t point,
+      const LineEnd& from,
+      const LineEnd& to) const;
 
  private:
   [[nodiscard]] glm::dvec3 corner(HalfEdgeId h) const {
@@ -40,8 +50,7 @@ class SegmentJudge {
   [[nodiscard]] glm::dvec3 normal(FaceId face) const;  // twice the area long
   [[nodiscard]] glm::dvec3 towardEye(const glm::dvec3& p) const;
   [[nodiscard]] bool isFront(FaceId face) const;
-  [[nodiscard]] SegmentFacts judgeSmooth(FaceId face, std::uint32_t point, std::uint32_t next)
-      const;
+  [[nodiscard]] SegmentFacts judgeSmooth(FaceId face, const LineEnd& from, const LineEnd& to) const;
   /// Depth that face may rise within reachPx of a line on it, at most its own depth range.
   [[nodiscard]] float slopeBias(FaceId face, float reachPx) const;
   /// Of the faces across a sliver's edges.

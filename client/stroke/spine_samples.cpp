@@ -2,8 +2,6 @@
 #include "client/stroke/spine_samples.h"
 
 #include "client/stroke/clip_segment.h"
-#include "client/stroke/prefetch_faces.h"
-#include "client/stroke/segment_facts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -64,17 +62,14 @@ void sampleSpines(
       1.0);
   const double spacing = std::max<double>(options.spacingPx, total / room);
 
-  const SegmentJudge judge(lines, scene);
   const glm::vec2 toFraction(1.0F / scene.viewport.width, 1.0F / scene.viewport.height);
   out.samples.clear();
   out.source.clear();
   out.begin.clear();
   out.perPx.clear();
   out.samples.reserve(static_cast<std::size_t>(total / spacing) + 2 * spines.spines.size());
-  const auto faceOf = [&](std::size_t point) { return lines.faces[spines.source[point]]; };
   for (std::size_t index = 0; index < spines.spines.size(); ++index) {
     const SpineSet::Spine& spine = spines.spines[index];
-    const PolylineSet::Line& line = lines.lines[spine.line];
     const float length = arcs.length[index];
     const auto steps = static_cast<std::uint32_t>(std::max(1.0, std::ceil(length / spacing)));
     // A sample at both ends. A closed spine's last one is its first again, outside the range that
@@ -85,8 +80,8 @@ void sampleSpines(
     out.begin.push_back(first);
     out.perPx.push_back(length > 0.0F ? static_cast<float>(steps) / length : 0.0F);
 
-    std::uint32_t segment = 0;  // from point begin + segment
-    std::uint32_t judged = kNone;
+    std::uint32_t segment = 0;    // from point begin + segment
+    std::uint32_t known = kNone;  // the point that facts are of
     SegmentFacts facts;
     glm::vec2 outward(0.0F);
     std::uint32_t spanFirst = first;
@@ -94,10 +89,8 @@ void sampleSpines(
     const std::uint32_t lastSegment = spine.size() - (spine.closed ? 1 : 2);
     for (std::uint32_t i = 0; i < count; ++i) {
       const float arc = length * static_cast<float>(i) / static_cast<float>(steps);
-      while (segment < lastSegment && arcs.arc[spine.begin + segment + 1] < arc) {
+      while (segment < lastSegment && arcs.arc[spine.begin + segment + 1] < arc)
         ++segment;
-        prefetchFaces(scene, spine.begin + segment, spines.source.size(), faceOf);
-      }
       const std::uint32_t from = spine.begin + segment;
       const std::uint32_t to = from + 1 < spine.end ? from + 1 : spine.begin;
       const float toArc = from + 1 < spine.end ? arcs.arc[to] : length;
@@ -108,13 +101,9 @@ void sampleSpines(
       const std::uint32_t source = spines.source[from];
       const std::uint32_t before = span;
       span = spans.spanAt(source, t);
-      const LineSpans::State state = spans.states[span];
-      // What is hidden for sure is not looked up.
-      if (source != judged && state != LineSpans::State::kHidden) {
-        judged = source;
-        const std::uint32_t next =
-            source + 1 < line.end ? source + 1 : (line.closed ? line.begin : source);
-        facts = judge.judge(line, source, next);
+      if (source != known) {
+        known = source;
+        facts = spans.facts[source];
         const glm::vec2 along = spines.exact[to] - spines.exact[from];
         const float size = glm::length(along);
         outward =
@@ -147,7 +136,6 @@ void sampleSpines(
 SpineSamples
 sampleSegments(const PolylineSet& lines, const LineSpans& spans, const LineScene& scene) {
   const glm::dmat4 toClip = clipFromGrid(scene);
-  const SegmentJudge judge(lines, scene);
   const glm::dvec2 size(scene.viewport.width, scene.viewport.height);
   SpineSamples out;
   std::size_t spanFirst = 0;
@@ -164,7 +152,7 @@ sampleSegments(const PolylineSet& lines, const LineSpans& spans, const LineScene
       const glm::dvec3 to = pixelFromClip(a + span.end * (b - a), scene.viewport);
       const glm::dvec2 along(to - from);
       const double length = glm::length(along);
-      const SegmentFacts facts = judge.judge(line, point, next);
+      const SegmentFacts& facts = spans.facts[point];
       SpineSample sample;
       if (length > 1e-6)
         sample.outward = glm::vec2(

@@ -26,7 +26,7 @@ inline constexpr float kFartherPx = 0.8F;
 /// shaders as three RGBA32F texels in this order.
 struct SpineSample {
   /// Of the exact line, or of its mesh's outline beside it (SegmentFacts::standOutPx), as a
-  /// fraction of the picture, from the top left. Somewhere there for what is hidden for sure.
+  /// fraction of the picture, from the top left.
   glm::vec2 position{0.0F};
   float depth = 0.0F;  // window depth of the line there
   float bias = 0.0F;   // how much nearer a surface must be to hide it; < 0: hidden for sure
