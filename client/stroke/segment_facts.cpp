@@ -21,6 +21,10 @@ constexpr double kMostStandOutPx = 16.0;
 constexpr double kSliver = 0.05;
 constexpr double kMostOfSliver = 32.0;
 
+double affine(const glm::dvec4& row, const glm::dvec3& p) {
+  return row.x * p.x + row.y * p.y + row.z * p.z + row.w;
+}
+
 bool isSliver(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   const glm::dvec3 n = glm::cross(b - a, c - a);
   const double longest2 =
@@ -36,6 +40,7 @@ SegmentJudge::SegmentJudge(const PolylineSet& lines, const LineScene& scene)
   const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
   clipFromGrid_ = clipFromWorld * scene.grid.step;
   clipFromGrid_[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
+  clipRows_ = glm::transpose(clipFromGrid_);
   eye_ = scene.grid.fromModel(scene.camera.eye);
   forward_ = scene.camera.forward();
   // Two grid steps in depth at the target, and what 32-bit rasterisation may round.
@@ -65,16 +70,6 @@ bool SegmentJudge::isFront(FaceId face) const {
 glm::dvec4 SegmentJudge::clipOf(const glm::dvec3& p) const {
   return clipFromGrid_[0] * p.x + clipFromGrid_[1] * p.y + clipFromGrid_[2] * p.z +
          clipFromGrid_[3];
-}
-
-glm::dvec3 SegmentJudge::project(const glm::dvec4& clip) const {
-  if (!(clip.w > 0.0)) return glm::dvec3(0.0);
-  // As pixelFromClip(), but divided once.
-  const double half = 0.5 / clip.w;
-  return {
-      (half * clip.x + 0.5) * scene_.viewport.width,
-      (0.5 - half * clip.y) * scene_.viewport.height,
-      half * clip.z + 0.5};
 }
 
 float SegmentJudge::slopeBias(FaceId face, float reachPx) const {
@@ -127,6 +122,11 @@ SegmentFacts SegmentJudge::judgeSmooth(FaceId face, const LineEnd& begin, const 
   const double coursePx = glm::length(course);
   const glm::dvec2 outward =
       coursePx > 1e-6 ? glm::dvec2(-course.y, course.x) / coursePx : glm::dvec2(0.0);
+  // How far outward a place lies, before it is divided by w.
+  const glm::dvec2 half = 0.5 * glm::dvec2(scene_.viewport.width, scene_.viewport.height);
+  const glm::dvec4 outwardRow =
+      (half.x * outward.x) * clipRows_[0] - (half.y * outward.y) * clipRows_[1];
+  const double outwardOfCentre = glm::dot(half - start, outward);
   const double length2 = glm::dot(along, along);
   const double perLength2 = length2 > 0.0 ? 1.0 / length2 : 0.0;
   double nearest = 0.0;
@@ -134,13 +134,16 @@ SegmentFacts SegmentJudge::judgeSmooth(FaceId face, const LineEnd& begin, const 
   double standOut = 0.0;
   for (const glm::dvec3& corner : {a, b, c}) {
     const double share = perLength2 * glm::dot(corner - from, along);
-    const glm::dvec3 there = project(clipOf(corner));
     const double footW = clipFrom.w + share * (clipTo.w - clipFrom.w);
     const double footZ = clipFrom.z + share * (clipTo.z - clipFrom.z);
-    const double rise = footW > 0.0 ? there.z - 0.5 * (footZ / footW + 1.0) : 0.0;
+    const double z = affine(clipRows_[2], corner);
+    const double w = affine(clipRows_[3], corner);
+    if (!(w > 0.0)) continue;
+    const double perBoth = 1.0 / (w * footW);
+    const double rise = footW > 0.0 ? 0.5 * (z * footW - footZ * w) * perBoth : 0.0;
     nearest = std::min(nearest, rise);
     farthest = std::max(farthest, rise);
-    standOut = std::max(standOut, glm::dot(glm::dvec2(there) - start, outward));
+    standOut = std::max(standOut, affine(outwardRow, corner) * footW * perBoth + outwardOfCentre);
   }
   facts.bias = static_cast<float>(floor_ + farthest - nearest);
   if (isSliver(a, b, c)) facts.bias = std::max(facts.bias, biasAround(face));

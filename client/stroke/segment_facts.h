@@ -56,13 +56,12 @@ class SegmentJudge {
   /// Of the faces across a sliver's edges.
   [[nodiscard]] float biasAround(FaceId face) const;
   [[nodiscard]] glm::dvec4 clipOf(const glm::dvec3& p) const;
-  /// Pixels and window depth; all 0 behind the eye.
-  [[nodiscard]] glm::dvec3 project(const glm::dvec4& clip) const;
 
   const PolylineSet& lines_;
   LineScene scene_;
   glm::dmat4 clipFromGrid_;
-  glm::dvec3 eye_;  // grid units
+  glm::dmat4 clipRows_;  // the same, row by row
+  glm::dvec3 eye_;       // grid units
   glm::dvec3 forward_;
   double floor_;  // window depth
 };
