@@ -15,6 +15,7 @@
 #include "client/stroke/clip_segment.h"
 #include "client/stroke/cover_search.h"
 #include "client/stroke/outline_walk.h"
+#include "client/stroke/prefetch_faces.h"
 #include "client/stroke/segment_facts.h"
 
 #include "shared/mesh/edge_shape.h"
@@ -80,10 +81,14 @@ class SpanCutter {
   void gather(std::span<const std::uint8_t> isWanted) {
     memory_.segments_.clear();
     memory_.lineBegin_.clear();
+    const auto faceAt = [&](std::size_t point) {
+      return isWanted.empty() || isWanted[point] != 0 ? lines_.faces[point] : kNone;
+    };
     for (const PolylineSet::Line& line : lines_.lines) {
       memory_.lineBegin_.push_back(static_cast<std::uint32_t>(memory_.segments_.size()));
       std::uint32_t begin = line.begin;
       for (std::uint32_t point = line.begin; point < line.begin + line.segmentCount(); ++point) {
+        prefetchFaces(scene_, point, lines_.faces.size(), faceAt);
         // What has no answers of its own, since it is too short, is a part of what comes next.
         const bool isSmooth = lines_.halfEdges[point] == kNone;
         if (isSmooth && !isWanted.empty() && isWanted[point] == 0) continue;
