@@ -47,11 +47,11 @@ void LineCrossings::addEdge(const glm::dvec4& a, const glm::dvec4& b, Surface si
   const ClipSpan span = clipSegment(a, b);
   if (span.empty()) return;
   const glm::dvec4 d = b - a;
-  edges_.push_back(
-      {pixelFromClip(span.begin > 0.0 ? a + span.begin * d : a, viewport_),
-       pixelFromClip(span.end < 1.0 ? a + span.end * d : b, viewport_),
-       side,
-       face});
+  addEdgeInPicture(
+      pixelFromClip(span.begin > 0.0 ? a + span.begin * d : a, viewport_),
+      pixelFromClip(span.end < 1.0 ? a + span.end * d : b, viewport_),
+      side,
+      face);
 }
 
 template <class Visit>
@@ -106,19 +106,22 @@ void LineCrossings::build() {
   // First how many, then where each cell ends; filling from the back leaves where it begins.
   cellBegin_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
   touches_.clear();
+  touchBegin_.clear();
   for (std::uint32_t i = 0; i < edges_.size(); ++i) {
+    touchBegin_.push_back(static_cast<std::uint32_t>(touches_.size()));
     forCells(glm::dvec2(edges_[i].a), glm::dvec2(edges_[i].b), [&](std::uint32_t cell) {
       ++cellBegin_[cell];
       touches_.push_back({cell, i});
     });
   }
+  touchBegin_.push_back(static_cast<std::uint32_t>(touches_.size()));
   for (std::size_t c = 1; c < cellBegin_.size(); ++c)
     cellBegin_[c] += cellBegin_[c - 1];
   cellEdges_.resize(touches_.size());
   for (std::size_t i = touches_.size(); i-- > 0;) {
     const Edge& edge = edges_[touches_[i].edge];
     cellEdges_[--cellBegin_[touches_[i].cell]] = {
-        boxAround(edge.a, edge.b),
+        edge.box,
         static_cast<float>(std::min(edge.a.z, edge.b.z) - 1e-6),
         touches_[i].edge};
   }
@@ -146,9 +149,9 @@ void LineCrossings::crossInPicture(
     const glm::dvec3& q,
     std::vector<Crossing>& out) const {
   crossCells(
-      p,
-      q,
+      {p, q, boxAround(p, q)},
       0.0F,
+      [&](auto visit) { forCells(glm::dvec2(p), glm::dvec2(q), visit); },
       [](std::uint32_t) {},
       out);
 }
@@ -159,32 +162,45 @@ void LineCrossings::crossInPicture(
     std::vector<Crossing>& out,
     const Beside& beside) const {
   crossCells(
-      p,
-      q,
+      {p, q, boxAround(p, q)},
       beside.reachPx,
-      [&](std::uint32_t edge) {
-        if (edge < beside.exceptFrom || edge >= beside.exceptTo) beside.edges.push_back(edge);
+      [&](auto visit) { forCells(glm::dvec2(p), glm::dvec2(q), visit); },
+      [&](std::uint32_t edge) { beside.add(edge); },
+      out);
+}
+
+void LineCrossings::crossAlong(std::uint32_t edge, std::vector<Crossing>& out, const Beside& beside)
+    const {
+  const Edge& along = edges_[edge];
+  crossCells(
+      {along.a, along.b, along.box},
+      beside.reachPx,
+      [&](auto visit) {
+        for (std::uint32_t i = touchBegin_[edge]; i < touchBegin_[edge + 1]; ++i)
+          visit(touches_[i].cell);
       },
+      [&](std::uint32_t other) { beside.add(other); },
       out);
 }
 
 // visitNear(edge) for edges of the cells on the way, not farther away than it, whose box is within
 // reachPx.
-template <class VisitNear>
+template <class ForCells, class VisitNear>
 void LineCrossings::crossCells(
-    const glm::dvec3& p,
-    const glm::dvec3& q,
+    const Course& course,
     float reachPx,
+    ForCells forEachCell,
     VisitNear visitNear,
     std::vector<Crossing>& out) const {
   if (cellBegin_.empty()) return;
+  const glm::dvec3& p = course.from;
+  const glm::dvec3& q = course.to;
   const glm::dvec2 along(q - p);
-  const Box own = boxAround(p, q);
   const Box reach = {
-      own.lowX - reachPx,
-      own.highX + reachPx,
-      own.lowY - reachPx,
-      own.highY + reachPx};
+      course.box.lowX - reachPx,
+      course.box.highX + reachPx,
+      course.box.lowY - reachPx,
+      course.box.highY + reachPx};
   const auto farthest = static_cast<float>(std::max(p.z, q.z) + 1e-6);
   const auto isNear = [&](const Entry& entry) {
     // Which of these fails cannot be foretold: no branches.
@@ -227,7 +243,7 @@ void LineCrossings::crossCells(
       meet(near[i]);
     count = 0;
   };
-  forCells(glm::dvec2(p), glm::dvec2(q), [&](std::uint32_t cell) {
+  forEachCell([&](std::uint32_t cell) {
     for (std::uint32_t k = cellBegin_[cell]; k < cellBegin_[cell + 1]; ++k) {
       near[count] = cellEdges_[k].edge;
       count += isNear(cellEdges_[k]);

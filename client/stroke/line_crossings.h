@@ -40,7 +40,7 @@ class LineCrossings {
 
   /// The same between two places in the picture (pixels, window depth).
   void addEdgeInPicture(const glm::dvec3& a, const glm::dvec3& b, Surface side, FaceId face) {
-    edges_.push_back({a, b, side, face});
+    edges_.push_back({a, b, boxAround(a, b), side, face});
   }
 
   /// Cost: O(edges + cells they touch).
@@ -62,6 +62,10 @@ class LineCrossings {
     /// Appended to: those of the cells that the line passes through whose box comes within reachPx
     /// of the line's; some may come twice.
     std::vector<std::uint32_t>& edges;
+
+    void add(std::uint32_t edge) const {
+      if (edge < exceptFrom || edge >= exceptTo) edges.push_back(edge);
+    }
   };
 
   /// The same, and what there is beside.
@@ -71,6 +75,9 @@ class LineCrossings {
       std::vector<Crossing>& out,
       const Beside& beside) const;
 
+  /// The same along an edge that was added, by its number: what build() found is not found again.
+  void crossAlong(std::uint32_t edge, std::vector<Crossing>& out, const Beside& beside) const;
+
   /// Whether an edge comes within reachPx of a place and is nearer to the eye where it does.
   [[nodiscard]] bool isBefore(std::uint32_t edge, const glm::dvec3& place, double reachPx) const;
 
@@ -79,19 +86,20 @@ class LineCrossings {
   isBefore(std::uint32_t edge, const glm::dvec3& from, const glm::dvec3& to, double reachPx) const;
 
  private:
-  struct Edge {
-    glm::dvec3 a;  // x, y in pixels, window depth
-    glm::dvec3 b;
-    Surface side;
-    FaceId face;
-  };
-
   /// A box in the picture.
   struct Box {
     float lowX;
     float highX;
     float lowY;
     float highY;
+  };
+
+  struct Edge {
+    glm::dvec3 a;  // x, y in pixels, window depth
+    glm::dvec3 b;
+    Box box;
+    Surface side;
+    FaceId face;
   };
 
   /// An edge as a cell has it: a box around it, so that most are passed over unseen.
@@ -109,11 +117,18 @@ class LineCrossings {
 
   [[nodiscard]] static Box boxAround(const glm::dvec3& a, const glm::dvec3& b);
 
-  template <class VisitNear>
+  /// A line that is asked about.
+  struct Course {
+    const glm::dvec3& from;
+    const glm::dvec3& to;
+    const Box& box;
+  };
+
+  template <class ForCells, class VisitNear>
   void crossCells(
-      const glm::dvec3& p,
-      const glm::dvec3& q,
+      const Course& course,
       float reachPx,
+      ForCells forEachCell,
       VisitNear visitNear,
       std::vector<Crossing>& out) const;
 
@@ -129,7 +144,8 @@ class LineCrossings {
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> cellBegin_;  // by cell, and one past the last: into cellEdges_
   std::vector<Entry> cellEdges_;
-  std::vector<Touch> touches_;
+  std::vector<Touch> touches_;             // edge by edge
+  std::vector<std::uint32_t> touchBegin_;  // by edge, and one past the last: into touches_
 };
 
 }  // namespace limn

@@ -306,11 +306,16 @@ class SpanCutter {
       memory_.crossings_.crossInPicture(segment.from, segment.to, found);
     } else {
       segment.nearBegin = static_cast<std::uint32_t>(memory_.near_.size());
-      memory_.crossings_.crossInPicture(
-          segment.from,
-          segment.to,
-          found,
-          {kBesidePx, firstOwnEdge(segment), endOfOwnEdges(segment), memory_.near_});
+      const LineCrossings::Beside beside{
+          kBesidePx,
+          firstOwnEdge(segment),
+          endOfOwnEdges(segment),
+          memory_.near_};
+      if (segment.openSide != 0) {
+        memory_.crossings_.crossAlong(segment.edge, found, beside);
+      } else {
+        memory_.crossings_.crossInPicture(segment.from, segment.to, found, beside);
+      }
       segment.nearEnd = static_cast<std::uint32_t>(memory_.near_.size());
       if (segment.openSide != 0 && isNearest(segment)) {
         memory_.near_.resize(segment.nearBegin);
