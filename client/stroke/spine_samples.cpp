@@ -36,21 +36,19 @@ void bindSamples(std::size_t first, std::size_t end, SpineSamples& out) {
 SpineSamples sampleSpines(
     const SpineSet& spines,
     const SpineArcs& arcs,
-    const PolylineSet& lines,
     const LineSpans& spans,
-    const LineScene& scene,
+    const Viewport& viewport,
     const SampleOptions& options) {
   SpineSamples out;
-  sampleSpines(spines, arcs, lines, spans, scene, options, out);
+  sampleSpines(spines, arcs, spans, viewport, options, out);
   return out;
 }
 
 void sampleSpines(
     const SpineSet& spines,
     const SpineArcs& arcs,
-    const PolylineSet& lines,
     const LineSpans& spans,
-    const LineScene& scene,
+    const Viewport& viewport,
     const SampleOptions& options,
     SpineSamples& out) {
   double total = 0.0;
@@ -62,7 +60,7 @@ void sampleSpines(
       1.0);
   const double spacing = std::max<double>(options.spacingPx, total / room);
 
-  const glm::vec2 toFraction(1.0F / scene.viewport.width, 1.0F / scene.viewport.height);
+  const glm::vec2 toFraction(1.0F / viewport.width, 1.0F / viewport.height);
   out.samples.clear();
   out.source.clear();
   out.begin.clear();
@@ -118,7 +116,7 @@ void sampleSpines(
       sample.outward = outward;
       sample.first = static_cast<float>(first);
       sample.last = spine.closed ? -last : last;
-      applySpan(spans, span, source, scene.viewport, sample);
+      applySpan(spans, span, source, viewport, sample);
       if (i > 0 && span != before) {
         bindSamples(spanFirst, first + i, out);
         spanFirst = first + i;

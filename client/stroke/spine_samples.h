@@ -68,18 +68,16 @@ struct SampleOptions {
 [[nodiscard]] SpineSamples sampleSpines(
     const SpineSet& spines,
     const SpineArcs& arcs,
-    const PolylineSet& lines,
     const LineSpans& spans,
-    const LineScene& scene,
+    const Viewport& viewport,
     const SampleOptions& options = {});
 
 /// The same into `out`, whose memory is used again.
 void sampleSpines(
     const SpineSet& spines,
     const SpineArcs& arcs,
-    const PolylineSet& lines,
     const LineSpans& spans,
-    const LineScene& scene,
+    const Viewport& viewport,
     const SampleOptions& options,
     SpineSamples& out);
 

@@ -40,7 +40,7 @@ BuiltStrokes StrokeBuilder::build(
   for (const std::uint32_t point : spines_.source)
     isDrawn_[point] = 1;
   spanFinder_.find(lines, isDrawn_, scene, spans_);
-  sampleSpines(spines_, arcs_, lines, spans_, scene, options.samples, samples_);
+  sampleSpines(spines_, arcs_, spans_, scene.viewport, options.samples, samples_);
   const float period = texturePeriod(style, options.widthPx);
   coherence_.assign(spines_, arcs_, lines, scene, period, parameters_);
   findWidths(lines, scene.camera, options.widthFalloff);

@@ -205,7 +205,7 @@ class Bench {
       Tally& tally) {
     const SpineSet spines = projectLines(lines, scene);
     const SpineSamples samples =
-        sampleSpines(spines, measureSpines(spines), lines, findSpans(lines, scene), scene);
+        sampleSpines(spines, measureSpines(spines), findSpans(lines, scene), scene.viewport);
     const std::vector<float> seen = sampleVisibility(samples, depth);
     const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(1.0);
     const auto fractionOf = [&](std::uint32_t point) {

@@ -68,7 +68,7 @@ longestWrongRow(const PolylineSet& lines, const LineScene& scene, const DepthIma
   const ResolvedLines resolved = resolver.resolve(lines, scene);
   const SpineSet spines = projectLines(lines, scene);
   const SpineSamples samples =
-      sampleSpines(spines, measureSpines(spines), lines, findSpans(lines, scene), scene);
+      sampleSpines(spines, measureSpines(spines), findSpans(lines, scene), scene.viewport);
   const std::vector<float> seen = sampleVisibility(samples, depth);
   const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
   const auto fractionOf = [&](std::uint32_t point) {

@@ -48,7 +48,7 @@ void expectAgreement(GlBackend backend, SilhouetteKind kind) {
       options.viewport};
   const SpineSet spines = projectLines(lines, scene);
   const SpineSamples samples =
-      sampleSpines(spines, measureSpines(spines), lines, findSpans(lines, scene), scene);
+      sampleSpines(spines, measureSpines(spines), findSpans(lines, scene), scene.viewport);
   ASSERT_GT(samples.samples.size(), 1024U);  // more than a row of the atlas
   ASSERT_TRUE(strokePass->findVisibility(samples, depth->depth()));
   const std::vector<float> drawn = strokePass->readVisibility(samples.samples.size());
