@@ -16,6 +16,13 @@ constexpr float kSamePx = 0.05F;
 /// How far smoothing looks, in standard deviations: where (1 − t²)² has the deviation asked for.
 constexpr float kBellReach = 2.65F;
 
+/// Whether a line turns back by more than 120° between two places beside it: a contour's cusp.
+/// Averaged with what is before and behind it, that would draw in, and not reach what it ends at.
+bool isTip(const glm::vec2& back, const glm::vec2& forth) {
+  const float cosine = glm::dot(back, forth);
+  return cosine > 0.0F && 4.0F * cosine * cosine > glm::dot(back, back) * glm::dot(forth, forth);
+}
+
 /// Builds the spines of one line at a time.
 class SpineBuilder {
  public:
@@ -242,7 +249,8 @@ void smoothSpines(float sigmaPx, SpineSet& spines) {
         sum += weightBack * before[back] + weightForth * before[forth];
         weight += weightBack + weightForth;
       }
-      if (weight > 0.0F) points[i] = sum / weight;
+      if (weight > 0.0F && !isTip(before[back] - before[i], before[forth] - before[i]))
+        points[i] = sum / weight;
     }
   }
 }

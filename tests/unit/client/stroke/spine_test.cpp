@@ -112,6 +112,20 @@ TEST(Spine, SmoothingFlattensZigZagButLeavesLongEdgesAndEnds) {
   EXPECT_EQ(square.points, square.exact);
 }
 
+TEST(Spine, SmoothingLeavesCuspsWhereTheyAre) {
+  // There and back again, 2 px beside itself at first: what turns back at 60 ends there.
+  SpineSet line;
+  for (int x = 0; x <= 60; ++x)
+    line.points.emplace_back(static_cast<float>(x), 0.0F);
+  for (int x = 59; x >= 0; --x)
+    line.points.emplace_back(static_cast<float>(x), 0.03F * static_cast<float>(60 - x));
+  line.exact = line.points;
+  line.spines.resize(1);
+  line.spines[0].end = static_cast<std::uint32_t>(line.points.size());
+  smoothSpines(1.5F, line);
+  EXPECT_EQ(line.points[60], glm::vec2(60.0F, 0.0F));
+}
+
 TEST(Spine, ArcsOfALoopIncludeItsLastSegment) {
   const FlatView view;
   const SpineSet square = projectLines(
