@@ -114,7 +114,7 @@ void main() {
   for (int step = -radius; step <= radius; ++step) {
     int j = index + step;
     if (isRing) {
-      j = first + (((j - first) % count) + count) % count;
+      j = first + (j - first + radius * count) % count;  // % is for what is not negative only
     } else if (j < first || j > last) {
       continue;
     }
@@ -151,7 +151,7 @@ void main() {
   uint bits = 0u;
   for (int k = 0; k <= 2 * middle; ++k) {
     int j = index + k - middle;
-    j = range.y < 0.0 ? first + (((j - first) % count) + count) % count : clamp(j, first, last);
+    j = range.y < 0.0 ? first + (j - first + middle * count) % count : clamp(j, first, last);
     if (texelFetch(voted, ivec2(j % width, j / width), 0).r > 0.5) bits |= 1u << k;
   }
   bits = ~closeGaps(~closeGaps(bits));

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 namespace limn {
 namespace {
@@ -86,18 +87,59 @@ void expectAgreement(GlBackend backend, SilhouetteKind kind) {
   EXPECT_LT(hidden, expected.size() * 9 / 10);
 }
 
+/// Nothing in front of anything: what is not hidden for sure is visible.
+gl::Target emptyDepth(const gl::Api& api) {
+  auto depth =
+      gl::Target::create(api, "depth", {.size = {64, 64}, .hasColor = false, .hasDepth = true});
+  EXPECT_TRUE(depth);
+  depth->bind();
+  api.clear(GL_DEPTH_BUFFER_BIT);
+  return *std::move(depth);
+}
+
+TEST(VisibilityPass, ALoopIsTheSameWhereverItBegins) {
+  auto context = createGlContext(GlBackend::kEgl);
+  ASSERT_TRUE(context);
+  const gl::Api& api = (*context)->api();
+  auto strokePass = StrokePass::create(api);
+  ASSERT_TRUE(strokePass);
+  const gl::Target depth = emptyDepth(api);
+  constexpr int kCount = 40;
+  constexpr int kHidden = 13;
+  SpineSamples samples;
+  // Loops of which the same part is hidden, each begun a sample farther on, and a copy of the
+  // first.
+  for (int turn = 0; turn < kCount; ++turn) {
+    const auto first = static_cast<float>(samples.samples.size());
+    for (int i = 0; i <= kCount; ++i) {
+      SpineSample sample;
+      sample.position = glm::vec2(0.5F);
+      sample.depth = 0.5F;
+      sample.bias = (i + turn) % kCount < kHidden ? -1.0F : 0.01F;
+      sample.first = first;
+      sample.last = -(first + kCount - 1);
+      sample.spanFirst = sample.spanLast = first + static_cast<float>(i);
+      samples.samples.push_back(sample);
+    }
+  }
+  ASSERT_TRUE(strokePass->findVisibility(samples, depth.depth()));
+  const std::vector<float> drawn = strokePass->readVisibility(samples.samples.size());
+  for (int turn = 0; turn < kCount; ++turn) {
+    for (int i = 0; i <= kCount; ++i) {
+      const auto at = static_cast<std::size_t>(turn * (kCount + 1) + i);
+      EXPECT_EQ(drawn[at], drawn[static_cast<std::size_t>((i + turn) % kCount)])
+          << "begun at " << turn << ", sample " << i;
+    }
+  }
+}
+
 TEST(VisibilityPass, CountsTheLinesInEachCell) {
   auto context = createGlContext(GlBackend::kEgl);
   ASSERT_TRUE(context);
   const gl::Api& api = (*context)->api();
   auto strokePass = StrokePass::create(api);
   ASSERT_TRUE(strokePass);
-  // Nothing is in front: a silhouette's samples are visible, those hidden for sure are not.
-  const auto depth =
-      gl::Target::create(api, "depth", {.size = {64, 64}, .hasColor = false, .hasDepth = true});
-  ASSERT_TRUE(depth);
-  depth->bind();
-  api.clear(GL_DEPTH_BUFFER_BIT);
+  const gl::Target depth = emptyDepth(api);
   const Viewport viewport{100, 70};
   LineDensity density(viewport);
   SpineSamples samples;
@@ -113,7 +155,7 @@ TEST(VisibilityPass, CountsTheLinesInEachCell) {
     samples.samples.push_back(sample);
     density.add(pixel, isVisible);
   }
-  ASSERT_TRUE(strokePass->findVisibility(samples, depth->depth()));
+  ASSERT_TRUE(strokePass->findVisibility(samples, depth.depth()));
   ASSERT_TRUE(strokePass->findDensity(samples, {.viewport = viewport}));
   const std::vector<glm::ivec2> counts = strokePass->readDensity();
   const int columns = densityCells(viewport.width);
