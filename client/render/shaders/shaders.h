@@ -280,8 +280,10 @@ void main() {
   vec2 here = mix(visibilityAt(int(base)), visibilityAt(int(base) + 1), spine.y - base);
   float seen = here.r;
   // Distance past the place where the line goes hidden, and a round end for the visible part there.
-  float past = (seen - 0.5) * rampPx;
+  // It reaches past the change, as far as what hides it covers that by its own line, so that two
+  // that end at one place meet.
   float radius = min(halfWidth * body, 0.45 * rampPx);
+  float past = (seen - 0.5) * rampPx + 0.7 * radius;
   float across = spine.x / widthShare;
   float t = min(abs(across) / body, 1.0);
   float end = radius * (1.0 - sqrt(1.0 - t * t));

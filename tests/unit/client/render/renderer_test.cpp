@@ -251,6 +251,38 @@ TEST_P(RendererOn, VisibleLinesThatCrowdLeavePaperBetweenThem) {
     EXPECT_LT(toneOfLines(*renderer, spacing, inkAt(256)) / black, 0.65) << spacing;
 }
 
+TEST_P(RendererOn, AVisiblePartEndsInARoundOfItsOwnWidthPastWhereItGoesHidden) {
+  auto renderer = makeRenderer(GetParam());
+  ASSERT_TRUE(renderer);
+  const MeshSnapshot cube = snapshotOf(primitives::cube());
+  const Camera camera = orbitCamera(cube.model.sphere, 0, 0);
+  RenderOptions options = inkAt(512);
+  options.hidden = HiddenLines::kOff;
+  options.widthPx = 8.0;
+  // From the left into the middle of the cube; where its outline is comes from the depth image.
+  options.keepDepth = true;
+  PolylineSet lines;
+  const glm::dmat4 worldFromClip = glm::inverse(camera.clipFromWorld(1.0));
+  for (const double x : {20.0, 256.0}) {
+    const glm::dvec4 world = worldFromClip * glm::dvec4(x / 256.0 - 1.0, 0.0, 0.3, 1.0);
+    lines.points.push_back(cube.model.grid.fromModel(glm::dvec3(world) / world.w));
+    lines.halfEdges.push_back(kNone);
+    lines.faces.push_back(kNone);
+  }
+  lines.lines.push_back({LineKind::kBorder, false, 0, 2});
+  const auto frame = renderer->render(cube, lines, camera, options);
+  ASSERT_TRUE(frame) << frame.error().message;
+  const int fineness = frame->depth.width / 512;
+  int outline = 20;
+  while (frame->depth.at(fineness * outline, fineness * 256) == 1.0F)
+    ++outline;
+  int last = 20;
+  while (std::max(darkness(frame->image, last, 255), darkness(frame->image, last, 256)) > 100)
+    ++last;
+  EXPECT_GE(last, outline + 2);
+  EXPECT_LE(last, outline + 5);
+}
+
 TEST_P(RendererOn, ALineThatFadesIsThinnerAndNotPaler) {
   auto renderer = makeRenderer(GetParam());
   ASSERT_TRUE(renderer);
