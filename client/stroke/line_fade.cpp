@@ -6,6 +6,10 @@
 #include "shared/core/disjoint_sets.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
 
 namespace limn {
 namespace {
@@ -26,7 +30,36 @@ constexpr float kCoversFrom = 0.1F;
 constexpr float kCovers = 0.25F;
 
 /// Ends of outlines, or of inner lines, as near as this continue one another.
-constexpr float kJoinPx = 2.0F;
+constexpr float kJoinPx = 2.5F;
+
+/// A loop several times as long as wide is a fold of the surface, whose outline ends where it turns
+/// back. Noise makes a larger fold a row of them; but a row of specks is no line.
+constexpr float kFoldWidth = 0.25F;  // of its length, to either side
+constexpr float kSmallestFoldPx = 6.0F;
+constexpr float kLargestFoldPx = 40.0F;
+
+/// Where a loop that is a fold turns back.
+std::optional<std::array<glm::vec2, 2>> foldEnds(
+    const SpineSet& spines,
+    const SpineSet::Spine& spine) {
+  const float extent = spine.extentPx();
+  if (extent < kSmallestFoldPx || extent > kLargestFoldPx) return std::nullopt;
+  const std::span<const glm::vec2> points(&spines.points[spine.begin], spine.size());
+  const auto farthestFrom = [&](const glm::vec2& from) {
+    return *std::max_element(points.begin(), points.end(), [&](glm::vec2 a, glm::vec2 b) {
+      return glm::distance(a, from) < glm::distance(b, from);
+    });
+  };
+  const glm::vec2 start = farthestFrom(points.front());
+  const glm::vec2 end = farthestFrom(start);
+  const glm::vec2 along = end - start;
+  const float widest = kFoldWidth * glm::dot(along, along);
+  for (const glm::vec2& point : points) {
+    const glm::vec2 away = point - start;
+    if (std::abs(along.x * away.y - along.y * away.x) > widest) return std::nullopt;
+  }
+  return std::array<glm::vec2, 2>{start, end};
+}
 
 /// The diagonal of the box around each spine and all those that it continues.
 std::vector<float> joinedExtents(const SpineSet& spines) {
@@ -38,7 +71,14 @@ std::vector<float> joinedExtents(const SpineSet& spines) {
   std::vector<End> ends;
   for (std::uint32_t i = 0; i < spines.spines.size(); ++i) {
     const SpineSet::Spine& spine = spines.spines[i];
-    if (spine.closed || isSuggestion(spine.kind)) continue;
+    if (isSuggestion(spine.kind)) continue;
+    if (spine.closed) {
+      if (const auto fold = foldEnds(spines, spine)) {
+        ends.push_back({(*fold)[0], i});
+        ends.push_back({(*fold)[1], i});
+      }
+      continue;
+    }
     ends.push_back({spines.points[spine.begin], i});
     ends.push_back({spines.points[spine.end - 1], i});
   }

@@ -142,6 +142,41 @@ TEST(Strokes, AShortPieceOfALongerLineDoesNotFade) {
   EXPECT_EQ(fades[2].visible, 0.0F);
 }
 
+TEST(Strokes, FoldsInARowAreOneLine) {
+  // Loops one behind the other, so long and wide, with so much between them, beside a long line.
+  const auto fadeOf = [](float length, float width, float gap) {
+    SpineSet spines;
+    const auto add = [&](const std::vector<glm::vec2>& points, bool closed) {
+      SpineSet::Spine spine;
+      spine.begin = static_cast<std::uint32_t>(spines.points.size());
+      spine.end = spine.begin + static_cast<std::uint32_t>(points.size());
+      spine.closed = closed;
+      spines.points.insert(spines.points.end(), points.begin(), points.end());
+      spines.depth.resize(spines.points.size(), 0.5F);
+      spines.spines.push_back(spine);
+    };
+    add({{10.0F, 10.0F}, {500.0F, 400.0F}}, false);
+    for (int i = 0; i < 4; ++i) {
+      const glm::vec2 at(100.0F + static_cast<float>(i) * (length + gap), 300.0F);
+      add({at,
+           at + glm::vec2(0.5F * length, width),
+           at + glm::vec2(length, 0.0F),
+           at + glm::vec2(0.5F * length, -width)},
+          true);
+    }
+    measureBoxes(spines);
+    StrokeStyle style;
+    style.fadeBelowPx = 10.0F;
+    std::vector<LineFade> fades;
+    fadeLines(spines, style, scene(), fades);
+    return fades[2].visible;
+  };
+  EXPECT_EQ(fadeOf(8.0F, 0.4F, 1.5F), 1.0F);
+  EXPECT_EQ(fadeOf(8.0F, 0.4F, 4.0F), 0.0F);  // apart
+  EXPECT_EQ(fadeOf(8.0F, 3.0F, 1.5F), 0.0F);  // bumps
+  EXPECT_EQ(fadeOf(3.0F, 0.2F, 1.5F), 0.0F);  // specks
+}
+
 TEST(Strokes, ABumpThatTakesALongOutlinesPlaceDoesNotFade) {
   // A bump 10 px long over an outline; 7 px nearer to the eye unless said otherwise.
   const auto fadeOf = [](float depth, const glm::vec2& shift, bool isTurned) {
