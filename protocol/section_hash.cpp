@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "protocol/section_hash.h"
 
+#include "shared/core/hex.h"
 #include "shared/core/sha256.h"
 
 #include <algorithm>
@@ -21,13 +22,7 @@ std::optional<SectionHash> toSectionHash(std::span<const std::uint8_t> bytes) {
 }
 
 std::string toHex(const SectionHash& hash) {
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text;
-  for (const std::uint8_t byte : hash) {
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
-  }
-  return text;
+  return hexOf(hash);
 }
 
 }  // namespace limn::protocol

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/detector_flags.h"
 
+#include "client/apps/flag_values.h"
+
 #include <CLI/CLI.hpp>
 
 namespace limn {
 
 void DetectorFlags::addTo(CLI::App& app) {
+  app.add_option("--silhouette", silhouette_, "smooth|edges");
+  app.add_option("--light", light_, "X,Y,Z: silhouettes as a light there sees them");
   constexpr char kGroup[] = "Detector parameters";
   const auto number = [&](const char* flag, auto& target, auto low, auto high, const char* help) {
     app.add_option(flag, target, help)->check(CLI::Range(low, high))->group(kGroup);
@@ -31,16 +35,23 @@ void DetectorFlags::addTo(CLI::App& app) {
   number("--image-rings", options_.imageRings, 0, 100, "image: how far around to look (1)");
 }
 
-Result<DetectorOptions> DetectorFlags::parse() const {
-  DetectorOptions options = options_;
+Result<DetectorChoice> DetectorFlags::parse() const {
+  DetectorChoice choice;
+  const auto silhouette = parseSilhouette(silhouette_);
+  if (!silhouette) return tl::unexpected(silhouette.error());
+  choice.silhouette = *silhouette;
+  if (!light_.empty()) {
+    const auto light = parseLight(light_);
+    if (!light) return tl::unexpected(light.error());
+    choice.light = *light;
+  }
+  choice.parameters = options_;
   const auto reseedWith = detectorFromName(reseedWith_);
   if (reseedWith != DetectorMethod::kBrute && reseedWith != DetectorMethod::kRandom) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "--reseed-with " + reseedWith_ + " is unknown: write brute or random");
+    return wrong("--reseed-with " + reseedWith_ + " is unknown: write brute or random");
   }
-  options.coherence.reseedWith = *reseedWith;
-  return options;
+  choice.parameters.coherence.reseedWith = *reseedWith;
+  return choice;
 }
 
 }  // namespace limn

@@ -45,6 +45,13 @@ tl::unexpected<Error> wrong(const std::string& message) {
   return fail(ErrorCode::kInvalidArgument, message);
 }
 
+std::string detectorNames() {
+  std::string names;
+  for (const DetectorMethod method : allDetectors())
+    names += (names.empty() ? "" : ",") + std::string(detectorName(method));
+  return names;
+}
+
 Result<StopCondition> parseUntil(const std::string& text) {
   StopCondition until;
   for (const MeshState state :

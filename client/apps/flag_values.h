@@ -18,6 +18,8 @@ namespace limn {
 /// A flag that cannot be followed.
 [[nodiscard]] tl::unexpected<Error> wrong(const std::string& message);
 
+/// Of every detector, between commas: what may be written.
+[[nodiscard]] std::string detectorNames();
 /// Parses `base|settled|exact|complete|bytes:N|seconds:S`.
 [[nodiscard]] Result<StopCondition> parseUntil(const std::string& text);
 /// Parses `WIDTHxHEIGHT`, 1 to 8192 each.

@@ -61,8 +61,6 @@ void RenderFlags::addTo(CLI::App& app) {
       "--detector",
       detector_,
       "exact|brute|cones|random|coherence-a|coherence-b|image|precomputed");
-  app.add_option("--silhouette", silhouette_, "smooth|edges");
-  app.add_option("--light", light_, "X,Y,Z: silhouettes as a light there sees them");
   app.add_option(
       "--features",
       features_,
@@ -221,28 +219,16 @@ Result<void> RenderFlags::parseDrawing(RenderCommandOptions& options) const {
     return tl::unexpected(mode.error().within("--draw"));
   }
   options.detectorName = detector_;
-  if (const auto method = detectorFromName(detector_)) {
-    options.detector = *method;
-  } else {
-    return wrong(
-        "--detector " + detector_ +
-        " is unknown: write exact, brute, cones, random, coherence-a, coherence-b, image or "
-        "precomputed");
-  }
-  const auto parameters = detectorFlags_.parse();
-  if (!parameters) return tl::unexpected(parameters.error());
-  options.detectorParameters = *parameters;
-  const auto silhouette = parseSilhouette(silhouette_);
-  if (!silhouette) return tl::unexpected(silhouette.error());
-  options.silhouette = *silhouette;
-  if (!light_.empty()) {
-    const auto light = parseLight(light_);
-    if (!light) return tl::unexpected(light.error());
-    options.light = *light;
-    if (options.detector == DetectorMethod::kImage) {
-      return wrong("--detector image looks with the camera: give --light another detector");
-    }
-  }
+  const auto method = detectorFromName(detector_);
+  if (!method) return wrong("--detector " + detector_ + " is unknown: write " + detectorNames());
+  options.detector = *method;
+  const auto choice = detectorFlags_.parse();
+  if (!choice) return tl::unexpected(choice.error());
+  options.detectorParameters = choice->parameters;
+  options.silhouette = choice->silhouette;
+  options.light = choice->light;
+  if (options.light && options.detector == DetectorMethod::kImage)
+    return wrong("--detector image looks with the camera: give --light another detector");
   if (auto ok = parseStrokes(options); !ok) return ok;
   const auto features = parseFeatures(features_);
   if (!features) return tl::unexpected(features.error());

@@ -39,9 +39,9 @@ class RenderFlags {
   RenderCommandOptions options_;  // what needs no understanding
 
   // As the command line has them.
-  std::string until_, draw_ = "strokes", detector_ = "exact", silhouette_ = "smooth";
+  std::string until_, draw_ = "strokes", detector_ = "exact";
   std::string features_ = "crease,border,seam", hidden_ = "style", path_, brush_ = "none";
-  std::string assets_, out_, svg_, light_, lineColor_, firstLayer_ = "auto";
+  std::string assets_, out_, svg_, lineColor_, firstLayer_ = "auto";
   std::string widthUnits_ = "px", contours_ = "client";
   std::vector<std::string> with_;
   std::optional<double> fov_, width_, brushAmplitude_, brushFrequency_;

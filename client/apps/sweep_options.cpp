@@ -35,8 +35,6 @@ void SweepFlags::addTo(CLI::App& app) {
   app.add_option("--rounds", options_.rounds, "Sweeps; each frame's best time counts (1)")
       ->check(CLI::Range(1U, 100U));
   app.add_option("--detectors", detectors_, "all, or names between commas (all)");
-  app.add_option("--silhouette", silhouette_, "smooth|edges");
-  app.add_option("--light", light_, "X,Y,Z: silhouettes as a light there sees them");
   app.add_option("--fov", options_.fovDegrees, "Vertical angle of view, degrees (40)")
       ->check(CLI::Range(1.0, 170.0));
   app.add_flag("--ortho", options_.orthographic, "Orthographic");
@@ -75,17 +73,11 @@ Result<SweepCommandOptions> SweepFlags::parse() const {
   const auto detectors = parseDetectors(detectors_);
   if (!detectors) return tl::unexpected(detectors.error());
   options.detectors = *detectors;
-  const auto parameters = detectorFlags_.parse();
-  if (!parameters) return tl::unexpected(parameters.error());
-  options.parameters = *parameters;
-  const auto silhouette = parseSilhouette(silhouette_);
-  if (!silhouette) return tl::unexpected(silhouette.error());
-  options.silhouette = *silhouette;
-  if (!light_.empty()) {
-    const auto light = parseLight(light_);
-    if (!light) return tl::unexpected(light.error());
-    options.light = *light;
-  }
+  const auto choice = detectorFlags_.parse();
+  if (!choice) return tl::unexpected(choice.error());
+  options.parameters = choice->parameters;
+  options.silhouette = choice->silhouette;
+  options.light = choice->light;
   const auto picture = pictureFlags_.parse();
   if (!picture) return tl::unexpected(picture.error());
   options.orbit = picture->orbit.value_or(options.orbit);
@@ -102,12 +94,8 @@ Result<std::vector<DetectorMethod>> parseDetectors(const std::string& text) {
   std::string name;
   while (std::getline(list, name, ',')) {
     const auto method = detectorFromName(name);
-    if (!method) {
-      std::string known;
-      for (const DetectorMethod m : all)
-        known += std::string(known.empty() ? "" : ",") + std::string(detectorName(m));
-      return wrong("--detectors " + text + " is unknown: write all, or some of " + known);
-    }
+    if (!method)
+      return wrong("--detectors " + text + " is unknown: write all, or some of " + detectorNames());
     if (std::find(detectors.begin(), detectors.end(), *method) == detectors.end()) {
       detectors.push_back(*method);
     }

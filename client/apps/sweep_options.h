@@ -57,8 +57,6 @@ class SweepFlags {
   std::vector<std::string> assets_;
   int quantizationBits_ = 14;
   std::string detectors_ = "all";
-  std::string silhouette_ = "smooth";
-  std::string light_;
   PictureFlags pictureFlags_;
 };
 

@@ -2,6 +2,7 @@
 #include "shared/core/sha256.h"
 
 #include "shared/core/assert.h"
+#include "shared/core/hex.h"
 
 #include <openssl/evp.h>
 
@@ -30,14 +31,7 @@ Sha256Digest sha256(std::span<const std::uint8_t> bytes) {
 }
 
 std::string toHex(const Sha256Digest& digest) {
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text;
-  text.reserve(2 * digest.size());
-  for (const std::uint8_t byte : digest) {
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
-  }
-  return text;
+  return hexOf(digest);
 }
 
 }  // namespace limn
