@@ -65,7 +65,10 @@ void CoverSearch::addRing() {
       const HalfEdgeId twin = scene_.mesh.twin(h);
       if (twin == kNone) continue;
       const FaceId beside = HalfEdgeMesh::face(twin);
-      if (std::find(faces_.begin(), faces_.end(), beside) == faces_.end()) faces_.push_back(beside);
+      if (std::find(faces_.begin(), faces_.end(), beside) != faces_.end()) continue;
+      faces_.push_back(beside);
+      __builtin_prefetch(&scene_.mesh.origins[3 * beside]);
+      __builtin_prefetch(&scene_.mesh.twins[3 * beside]);
     }
   }
   corners_.resize(faces_.size());
