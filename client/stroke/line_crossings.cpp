@@ -173,7 +173,11 @@ void LineCrossings::crossAlong(std::uint32_t edge, std::vector<Crossing>& out, c
     const {
   const Edge& along = edges_[edge];
   crossCells(
-      {along.a, along.b, along.box},
+      {along.a,
+       along.b,
+       along.box,
+       edge > 0 && edges_[edge - 1].isJoined ? edge - 1 : edge,
+       along.isJoined ? edge + 2 : edge + 1},
       beside.reachPx,
       [&](auto visit) {
         for (std::uint32_t i = touchBegin_[edge]; i < touchBegin_[edge + 1]; ++i)
@@ -209,7 +213,8 @@ void LineCrossings::crossCells(
         static_cast<int>(entry.box.lowX <= reach.highX) &
         static_cast<int>(entry.box.highX >= reach.lowX) &
         static_cast<int>(entry.box.lowY <= reach.highY) &
-        static_cast<int>(entry.box.highY >= reach.lowY));
+        static_cast<int>(entry.box.highY >= reach.lowY) &
+        static_cast<int>(entry.edge - course.joinedFrom >= course.joinedTo - course.joinedFrom));
   };
   const std::size_t before = out.size();
   const auto meet = [&](std::uint32_t number) {

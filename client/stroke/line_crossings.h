@@ -40,6 +40,7 @@ class LineCrossings {
 
   /// The same between two places in the picture (pixels, window depth).
   void addEdgeInPicture(const glm::dvec3& a, const glm::dvec3& b, Surface side, FaceId face) {
+    if (!edges_.empty()) edges_.back().isJoined = edges_.back().b == a;
     edges_.push_back({a, b, boxAround(a, b), side, face});
   }
 
@@ -100,6 +101,7 @@ class LineCrossings {
     Box box;
     Surface side;
     FaceId face;
+    bool isJoined = false;  // the next one begins where it ends
   };
 
   /// An edge as a cell has it: a box around it, so that most are passed over unseen.
@@ -122,6 +124,9 @@ class LineCrossings {
     const glm::dvec3& from;
     const glm::dvec3& to;
     const Box& box;
+    /// Edges from … to − 1 are it or share an end with it: they do not cross it.
+    std::uint32_t joinedFrom = 0;
+    std::uint32_t joinedTo = 0;
   };
 
   template <class ForCells, class VisitNear>
