@@ -52,6 +52,31 @@ void CoveredParts::flush(const View& view, CoverSearch& search) {
   waitingPx_ = 0.0;
 }
 
+void CoveredParts::hide(std::uint32_t firstPoint, std::size_t firstPiece, LineSpans& spans) {
+  if (parts_.empty()) return;
+  const auto hidden = static_cast<std::uint32_t>(spans.states.size());
+  spans.states.push_back(LineSpans::State::kHidden);
+  std::vector<LineSpans::Piece>& old = pieces_;
+  old.assign(spans.pieces.begin() + static_cast<std::ptrdiff_t>(firstPiece), spans.pieces.end());
+  spans.pieces.resize(firstPiece);
+  std::size_t part = 0;
+  std::size_t next = 0;  // of the old ones
+  for (std::size_t point = firstPoint; point < spans.begin.size(); ++point) {
+    const std::size_t end =
+        point + 1 < spans.begin.size() ? spans.begin[point + 1] - firstPiece : old.size();
+    spans.begin[point] = static_cast<std::uint32_t>(spans.pieces.size());
+    for (float at = 0.0F; next < end; ++next) {
+      for (; part < parts_.size() && parts_[part].piece == firstPiece + next; ++part) {
+        if (parts_[part].from > at) spans.pieces.push_back({parts_[part].from, old[next].span});
+        spans.pieces.push_back({parts_[part].to, hidden});
+        at = parts_[part].to;
+      }
+      if (old[next].end > at || at == 0.0F) spans.pieces.push_back(old[next]);
+      at = old[next].end;
+    }
+  }
+}
+
 bool CoveredParts::isCovered(
     const View& view,
     CoverSearch& search,

@@ -3,11 +3,13 @@
 
 #include "client/stroke/cover_search.h"
 #include "client/stroke/line_crossings.h"
+#include "client/stroke/line_span_set.h"
 #include "client/stroke/polyline.h"
 #include "client/stroke/span_segment.h"
 
 #include <glm/glm.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -47,8 +49,9 @@ class CoveredParts {
   /// The pieces so far are asked for; what comes next is not beside them.
   void flush(const View& view, CoverSearch& search);
 
-  /// In the order of the pieces.
-  [[nodiscard]] std::span<const Part> parts() const { return parts_; }
+  /// Cuts the line's pieces, those from firstPiece on, and from its first point's on, where covered
+  /// parts of them begin and end; these are hidden.
+  void hide(std::uint32_t firstPoint, std::size_t firstPiece, LineSpans& spans);
 
  private:
   struct Waiting {
@@ -59,10 +62,11 @@ class CoveredParts {
   [[nodiscard]] bool
   isCovered(const View& view, CoverSearch& search, const SpanSegment& segment, double t);
 
-  std::vector<Part> parts_;
+  std::vector<Part> parts_;  // in the order of the pieces
   std::vector<Waiting> waiting_;
   double waitingPx_ = 0.0;
   std::vector<FaceId> faces_;
+  std::vector<LineSpans::Piece> pieces_;  // as they were
 };
 
 }  // namespace limn

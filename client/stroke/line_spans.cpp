@@ -14,7 +14,6 @@
 
 #include "client/stroke/clip_segment.h"
 #include "client/stroke/cover_search.h"
-#include "client/stroke/outline_walk.h"
 #include "client/stroke/prefetch_faces.h"
 #include "client/stroke/segment_facts.h"
 
@@ -29,14 +28,8 @@ namespace {
 /// Smooth silhouettes before one by less than this many of its biases belong to its own surface.
 constexpr double kOwnSurface = 4.0;
 
-/// Probes reach this far; farther from an outline the depth image cannot be mistaken.
-constexpr double kProbePx = 1.5;
-/// A probe each pixel, and no more than this many a span.
-constexpr double kMostProbes = 16.0;
 /// The line itself goes on in so many edges before and after a segment's: its own surface.
 constexpr std::uint32_t kOwnEdges = 4;
-/// Window depth behind all there is in the picture.
-constexpr double kBehindAll = 2.0;
 
 }  // namespace
 
@@ -63,7 +56,6 @@ class SpanCutter {
         memory_(memory),
         out_(out),
         judge_(lines, scene),
-        walk_(scene),
         search_(scene),
         clipFromGrid_(clipFromGrid(scene)),
         eye_(scene.grid.fromModel(scene.camera.eye)),
@@ -75,7 +67,13 @@ class SpanCutter {
               const auto first = lines.halfEdges.begin() + line.begin;
               return isContour(line) && std::find(first, first + line.segmentCount(), kNone) !=
                                             first + line.segmentCount();
-            })) {}
+            })),
+        prober_(
+            lines,
+            scene,
+            memory.crossings_,
+            isPolygonal_ ? SpanProber::Lines::kPolygonal : SpanProber::Lines::kSmooth,
+            memory.probes_) {}
 
   /// The segments of all lines, and those at which a surface ends as what hides others.
   void gather(std::span<const std::uint8_t> isWanted) {
@@ -150,7 +148,7 @@ class SpanCutter {
     out_.begin.resize(line.end, static_cast<std::uint32_t>(out_.pieces.size()));
     // A loop's last span goes on as its first.
     if (line.closed && goesOn && !segments.front().isHiddenAtStart) joinSeam();
-    probe(segments);
+    prober_.probe(segments, firstSpan_, out_);
     if (!isPolygonal_) cover(segments, firstPiece);
   }
 
@@ -367,55 +365,6 @@ class SpanCutter {
       out_.pieces[i].span = static_cast<std::uint32_t>(firstSpan_);
   }
 
-  // Spans about which nothing is known are hidden where steps outwards mostly come out from behind
-  // something.
-  void probe(std::span<const Segment> segments) {
-    memory_.probes_.assign(out_.states.size() - firstSpan_, {});
-    forOpenPieces(
-        segments,
-        [](LineSpanFinder::Probes& probes, const Segment& s, double a, double b) {
-          probes.lengthPx += (b - a) * glm::distance(glm::dvec2(s.from), glm::dvec2(s.to));
-        });
-    forOpenPieces(
-        segments,
-        [&](LineSpanFinder::Probes& probes, const Segment& s, double a, double b) {
-          const glm::dvec2 along(s.to - s.from);
-          const double length = glm::length(along);
-          if (!(length > 1e-9)) return;
-          // Rows run down: right of (x, y) is (−y, x).
-          const glm::dvec3 step =
-              glm::dvec3(-along.y, along.x, 0.0) * (s.openSide * kProbePx / length);
-          const double spacing = std::max(1.0, probes.lengthPx / kMostProbes);
-          const int count = std::max(1, static_cast<int>((b - a) * length / spacing));
-          for (int k = 0; k < count; ++k) {
-            ++probes.asked;
-            const double t = a + (b - a) * (k + 0.5) / count;
-            if (isCoveredAround(s, t) || comesOut(s, t, step)) ++probes.hidden;
-          }
-        });
-    for (std::size_t i = 0; i < memory_.probes_.size(); ++i) {
-      const LineSpanFinder::Probes& probes = memory_.probes_[i];
-      if (probes.hidden > 0 && 2 * probes.hidden > probes.asked)
-        out_.states[firstSpan_ + i] = isPolygonal_ ? State::kHidden : State::kDoubtful;
-    }
-  }
-
-  // visit(probes of its span, segment, from, to) for pieces at which a surface ends.
-  template <class Visit>
-  void forOpenPieces(std::span<const Segment> segments, Visit visit) {
-    for (const Segment& segment : segments) {
-      if (segment.openSide == 0 || !segment.isInPicture) continue;
-      if (segment.isSmooth && !isPolygonal_) continue;  // cover() asks for them
-      double from = 0.0;
-      for (std::size_t i = out_.begin[segment.point]; from < 1.0; ++i) {
-        const std::uint32_t span = out_.pieces[i].span;
-        if (out_.states[span] == State::kOpen)
-          visit(memory_.probes_[span - firstSpan_], segment, from, out_.pieces[i].end);
-        from = out_.pieces[i].end;
-      }
-    }
-  }
-
   // Parts that surfaces beside them cover are hidden, whatever their span is.
   void cover(std::span<const Segment> segments, std::size_t firstPiece) {
     CoveredParts& covered = memory_.covered_;
@@ -443,93 +392,7 @@ class SpanCutter {
       }
     }
     covered.flush(view, search_);
-    if (!covered.parts().empty()) hideParts(segments.front().begin, firstPiece);
-  }
-
-  // Cuts the pieces of a line, from its first point's on, where covered parts of them begin and
-  // end.
-  void hideParts(std::uint32_t firstPoint, std::size_t firstPiece) {
-    const auto hidden = static_cast<std::uint32_t>(out_.states.size());
-    out_.states.push_back(State::kHidden);
-    std::vector<LineSpans::Piece>& old = memory_.pieces_;
-    old.assign(out_.pieces.begin() + static_cast<std::ptrdiff_t>(firstPiece), out_.pieces.end());
-    out_.pieces.resize(firstPiece);
-    const std::span<const CoveredParts::Part> parts = memory_.covered_.parts();
-    std::size_t part = 0;
-    std::size_t next = 0;  // of the old ones
-    for (std::size_t point = firstPoint; point < out_.begin.size(); ++point) {
-      const std::size_t end =
-          point + 1 < out_.begin.size() ? out_.begin[point + 1] - firstPiece : old.size();
-      out_.begin[point] = static_cast<std::uint32_t>(out_.pieces.size());
-      for (float at = 0.0F; next < end; ++next) {
-        for (; part < parts.size() && parts[part].piece == firstPiece + next; ++part) {
-          if (parts[part].from > at) out_.pieces.push_back({parts[part].from, old[next].span});
-          out_.pieces.push_back({parts[part].to, hidden});
-          at = parts[part].to;
-        }
-        if (old[next].end > at || at == 0.0F) out_.pieces.push_back(old[next]);
-        at = old[next].end;
-      }
-    }
-  }
-
-  // Whether a place of an edge is covered by the surface around the edge's ends.
-  [[nodiscard]] bool isCoveredAround(const Segment& segment, double t) const {
-    const glm::dvec3 place = placeAt(segment, t);
-    const HalfEdgeId edge = lines_.halfEdges[segment.point];
-    const HalfEdgeId twin = scene_.mesh.twin(edge);
-    for (const HalfEdgeId start : {edge, twin}) {
-      if (start == kNone) continue;
-      for (HalfEdgeId h = scene_.mesh.rotateCcw(start); h != kNone && h != start;
-           h = scene_.mesh.rotateCcw(h)) {
-        const FaceId face = HalfEdgeMesh::face(h);
-        if (face != segment.face && face != segment.other &&
-            walk_.covers(face, place, segment.face, segment.other) == OutlineWalk::Answer::kCovers)
-          return true;
-      }
-    }
-    return false;
-  }
-
-  // Whether a place of a segment is covered by a surface whose outline lies a step outwards.
-  [[nodiscard]] bool comesOut(const Segment& segment, double t, const glm::dvec3& step) {
-    std::vector<LineCrossings::Crossing>& found = memory_.found_;
-    found.clear();
-    // From behind everything: a surface that is steep to the view may cover the place although its
-    // outline is farther away than that.
-    glm::dvec3 start = glm::mix(segment.from, segment.to, t);
-    const double behind = kBehindAll - start.z;
-    start.z = kBehindAll;
-    memory_.crossings_.crossInPicture(start, start + step, found);
-    if (found.empty()) return false;
-    const glm::dvec3 place = placeAt(segment, t);
-    int entered = 0;
-    for (const LineCrossings::Crossing& c : found) {
-      const bool isBefore = c.gap > behind;
-      if (isBefore) entered += c.enters ? 1 : -1;
-      if (c.enters) continue;
-      const OutlineWalk::Answer answer = walk_.covers(c.face, place, segment.face, segment.other);
-      if (answer == OutlineWalk::Answer::kCovers) return true;
-      // Where the way over the surface is not known: coming out without having gone in.
-      if (answer == OutlineWalk::Answer::kUnknown && isBefore && entered < 0)
-        return isBehind(place, c.face);
-    }
-    return false;
-  }
-
-  // Grid units. The share is that in the picture: close enough where a segment is short to the eye.
-  [[nodiscard]] glm::dvec3 placeAt(const Segment& segment, double t) const {
-    return glm::mix(
-        glm::dvec3(lines_.points[segment.begin]),
-        glm::dvec3(lines_.points[segment.next]),
-        t);
-  }
-
-  // Whether a place lies behind a face's plane: not where the way has passed through.
-  [[nodiscard]] bool isBehind(const glm::dvec3& place, FaceId face) const {
-    const glm::dvec3 n = normal(face);
-    const glm::dvec3 a = corner(3 * face);
-    return (glm::dot(n, place - a) < 0.0) == (glm::dot(n, towardEye(a)) > 0.0);
+    covered.hide(segments.front().begin, firstPiece, out_);
   }
 
   const PolylineSet& lines_;
@@ -538,12 +401,12 @@ class SpanCutter {
   LineSpans& out_;
   LineEnd begin_;  // of the segment at hand: where the one before ended
   SegmentJudge judge_;
-  OutlineWalk walk_;
   CoverSearch search_;
   glm::dmat4 clipFromGrid_;
   glm::dvec3 eye_;  // grid units
   glm::dvec3 toEyeAtInfinity_;
-  bool isPolygonal_;           // no silhouette is smooth: lines are exact
+  bool isPolygonal_;  // no silhouette is smooth: lines are exact
+  SpanProber prober_;
   std::size_t firstSpan_ = 0;  // of the line at hand
 };
 

@@ -4,8 +4,9 @@
 #include "client/stroke/covered_parts.h"
 #include "client/stroke/line_crossings.h"
 #include "client/stroke/line_scene.h"
+#include "client/stroke/line_span_set.h"
 #include "client/stroke/polyline.h"
-#include "client/stroke/segment_facts.h"
+#include "client/stroke/span_prober.h"
 #include "client/stroke/span_segment.h"
 
 #include <glm/glm.hpp>
@@ -15,43 +16,6 @@
 #include <vector>
 
 namespace limn {
-
-/// Lines within this of one another are one to the eye.
-inline constexpr float kBesidePx = 2.5F;
-
-/// Lines cut where their visibility can change: where they pass behind a silhouette or a border
-/// among them, and where the faces around one of their points cover them. A span, from one such
-/// place to the next, is all visible or all hidden.
-struct LineSpans {
-  enum class State : std::uint8_t {
-    kOpen,      // nothing here says; whatever is in front decides
-    kDoubtful,  // hidden, as smooth silhouettes have it, which are not quite their mesh's outline
-    kHidden,
-  };
-
-  /// A part of a segment, from where the one before ends to `end` (shares of the segment's part in
-  /// the picture, affine there).
-  struct Piece {
-    float end = 1.0F;
-    std::uint32_t span = 0;
-  };
-
-  std::vector<Piece> pieces;
-  std::vector<std::uint32_t> begin;  // by point, and one past the last: into pieces
-  std::vector<State> states;         // by span
-  /// By point: no line that is nearer to the eye comes within kBesidePx of a smooth silhouette's
-  /// segment. What hides it by less than that has no line of its own there.
-  std::vector<std::uint8_t> isNearest;
-  std::vector<SegmentFacts> facts;  // by point: of its segment, where that is not all hidden
-
-  /// The span at a place of the segment that starts at a point.
-  [[nodiscard]] std::uint32_t spanAt(std::uint32_t point, float share) const {
-    std::uint32_t i = begin[point];
-    while (i + 1 < begin[point + 1] && pieces[i].end < share)
-      ++i;
-    return pieces[i].span;
-  }
-};
 
 /// Finds LineSpans. Keeps its working memory from frame to frame. Threads: one caller at a time.
 class LineSpanFinder {
@@ -68,23 +32,15 @@ class LineSpanFinder {
  private:
   friend class SpanCutter;
 
-  /// How many probes of a span there were, and how many say that it is hidden.
-  struct Probes {
-    double lengthPx = 0.0;
-    int asked = 0;
-    int hidden = 0;
-  };
-
   LineCrossings crossings_;
   std::vector<SpanSegment> segments_;
   std::vector<std::uint32_t> lineBegin_;  // by line, and one past the last: into segments_
-  std::vector<Probes> probes_;            // by span of the line at hand
+  SpanProber::Memory probes_;
   std::vector<LineCrossings::Crossing> found_;
   std::vector<std::uint32_t> edgeSegment_;  // by edge of crossings_: into segments_
   std::vector<std::uint32_t> edgeRun_;      // by edge: the first of those of a line without a gap
   std::vector<std::uint32_t> near_;  // edges of crossings_ beside segments of the line at hand
   CoveredParts covered_;
-  std::vector<LineSpans::Piece> pieces_;  // of the line at hand
 };
 
 /// clip space ← grid units.
