@@ -38,7 +38,8 @@ glm::dmat4 clipFromGridOf(const LineScene& scene) {
 }
 
 float wrapped(float value, float period) {
-  return value - period * std::round(value / period);
+  const float turns = value / period;
+  return std::abs(turns) < 0.5F ? value : value - period * std::round(turns);
 }
 
 /// Walks a spine by arc length.
