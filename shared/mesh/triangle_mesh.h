@@ -18,7 +18,7 @@ struct Grid {
   double step = 1.0;       // longest side of the box / (2^bits − 1); > 0
   int bits = 14;           // 11 to 18: prepared positions are 0 … 2^bits − 1 along each axis
 
-  [[nodiscard]] glm::dvec3 toModel(const glm::ivec3& p) const {
+  [[nodiscard]] glm::dvec3 toModel(const glm::ivec3& p) const {  // grid units to model units
     return origin + step * glm::dvec3(p);
   }
 
@@ -37,15 +37,15 @@ inline constexpr std::int32_t kMaxGridCoordinate = 1 << 20;
 }
 
 /// A triangle mesh on a grid: flat arrays, no connectivity. Triangles are counter-clockwise seen
-/// from outside.
+/// from outside. Nothing is checked here: HalfEdgeMesh::build() says whether it is a manifold.
 struct TriangleMesh {
   Grid grid;
-  std::vector<glm::ivec3> positions;
-  std::vector<glm::uvec3> triangles;
-  AttributeArrays attributes{};
+  std::vector<glm::ivec3> positions;  // a vertex each, grid units, isOnGrid()
+  std::vector<glm::uvec3> triangles;  // a face each: three different indices into `positions`
+  AttributeArrays attributes{};       // each array empty, or an entry a vertex
 };
 
-/// Centre of the box of `positions`, distance from it to the farthest of them, in model units.
+/// About the box's centre, to the farthest position; model units, radius ≥ step / 2. Cost: O(n).
 [[nodiscard]] BoundingSphere boundingSphere(
     const Grid& grid,
     std::span<const glm::ivec3> positions);

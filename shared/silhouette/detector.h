@@ -68,7 +68,7 @@ class SilhouetteDetector {
   SilhouetteDetector& operator=(const SilhouetteDetector&) = delete;
   virtual ~SilhouetteDetector() = default;
 
-  /// The result stays valid until the next call.
+  /// view: in grid units. The result stays valid until the next call. Cost: as its stats.
   [[nodiscard]] virtual const SilhouetteResult& detect(const SilhouetteView& view) = 0;
   [[nodiscard]] virtual DetectorMethod method() const = 0;
   /// Memory held for the mesh, working memory included, the field excluded.
@@ -125,15 +125,15 @@ struct DetectorOptions {
   double coneTangentScale = 1.0;
 };
 
-/// Makes a detector. `field` must outlive it. kPrecomputed and kImage without
-/// seeds find nothing.
-/// Cost: kBrute O(faces); kCones O(faces · log faces), some tens of ms for 70k faces.
+/// Makes a detector for the field's mesh as it is. `field` must outlive it. kPrecomputed and kImage
+/// without seeds find nothing. Threads: reentrant.
+/// Cost: kBrute O(faces); kCones, kExact O(faces · log faces), some tens of ms for 70k faces.
 [[nodiscard]] std::unique_ptr<SilhouetteDetector> makeDetector(
     DetectorMethod method,
     const SilhouetteField& field,
     const DetectorOptions& options = {});
 
-/// Share of `truth` that `found` has, 1 when there is nothing to find. Both of one kind and field.
+/// Share of `truth` that `found` has; 1 if there is nothing to find. Of one field. O(n log n).
 [[nodiscard]] double recall(const SilhouetteResult& found, const SilhouetteResult& truth);
 
 }  // namespace limn
