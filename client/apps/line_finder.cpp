@@ -2,6 +2,7 @@
 #include "client/apps/line_finder.h"
 
 #include "client/stroke/crease_noise.h"
+#include "client/stroke/panel_edges.h"
 
 #include "shared/mesh/cracks.h"
 
@@ -100,7 +101,15 @@ LineFinder::LineFinder(
       snapshot_->mesh.features(),
       cracks.kinds);
   if (options.features.crease && options.silhouette == SilhouetteKind::kSmooth)
-    creaseContours_.emplace(field_, features, cracks.parts);
+    creaseContours_.emplace(
+        field_,
+        withPanelEdges(
+            snapshot_->mesh.mesh(),
+            snapshot_->mesh.positions(),
+            features,
+            snapshot_->model.sphere.radius / snapshot_->model.grid.step),
+        cracks.parts);
+  openSurfaces_.emplace(snapshot_->mesh.mesh(), snapshot_->mesh.positions(), cracks);
   acrossCracks_ = std::move(cracks.across);
   const PolylineSet all = chainFeatures(
       snapshot_->mesh.mesh(),
@@ -142,6 +151,7 @@ LineFinder::Lines LineFinder::find(const Camera& camera) {
     surfaceLines_->append(view, result.lines);
     result.chainMs += millisecondsSince(begin);
   }
+  openSurfaces_->markBacks(view, result.lines);
   return result;
 }
 

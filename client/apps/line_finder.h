@@ -6,6 +6,7 @@
 #include "client/core/snapshot.h"
 #include "client/stroke/chain.h"
 #include "client/stroke/crease_contours.h"
+#include "client/stroke/open_surfaces.h"
 #include "client/stroke/polyline.h"
 #include "client/stroke/surface_lines.h"
 
@@ -71,6 +72,7 @@ class LineFinder {
   SilhouetteChainer chainer_;
   std::optional<CreaseContours> creaseContours_;  // where creases are drawn
   PolylineSet features_;
+  std::optional<OpenSurfaces> openSurfaces_;  // set once made
   std::vector<FaceId> acrossCracks_;          // Cracks::across
   std::optional<SurfaceLines> surfaceLines_;  // if any are asked for
   std::vector<std::uint8_t> isContour_;       // by half-edge; all 0 between calls

@@ -128,17 +128,20 @@ class SpanCutter {
                                   memory_.lineBegin_[index + 1] - memory_.lineBegin_[index]);
     firstSpan_ = out_.states.size();
     const std::size_t firstPiece = out_.pieces.size();
-    bool goesOn = false;  // whether the next piece belongs to the span of the one before
+    bool goesOn = false;         // whether the next piece belongs to the span of the one before
+    State state = State::kOpen;  // of spans about which nothing else is known
     memory_.near_.clear();
     for (Segment& segment : segments) {
       out_.begin.resize(segment.point + 1, static_cast<std::uint32_t>(out_.pieces.size()));
-      if (!goesOn || segment.isHiddenAtStart) out_.states.push_back(State::kOpen);
+      const State own = segment.isDoubtful ? State::kDoubtful : State::kOpen;
+      if (!goesOn || segment.isHiddenAtStart || own != state) out_.states.push_back(own);
+      state = own;
       if (segment.isHiddenAtStart) out_.states.back() = State::kHidden;
       meet(segment);
       for (const LineCrossings::Crossing& c : memory_.found_) {
         end(c.inPicture);
         if (!c.enters) hide();
-        out_.states.push_back(State::kOpen);
+        out_.states.push_back(state);
         if (c.enters) hide();
       }
       end(1.0);
@@ -147,7 +150,9 @@ class SpanCutter {
     }
     out_.begin.resize(line.end, static_cast<std::uint32_t>(out_.pieces.size()));
     // A loop's last span goes on as its first.
-    if (line.closed && goesOn && !segments.front().isHiddenAtStart) joinSeam();
+    if (line.closed && goesOn && !segments.front().isHiddenAtStart &&
+        segments.front().isDoubtful == segments.back().isDoubtful)
+      joinSeam();
     prober_.probe(segments, firstSpan_, out_);
     if (!isPolygonal_) cover(segments, firstPiece);
   }
@@ -196,13 +201,14 @@ class SpanCutter {
     if (twin != kNone) segment.other = HalfEdgeMesh::face(twin);
     if (segment.face < scene_.mesh.faceCount()) {
       if (h != kNone) {
-        judgeEdge(h, isContour(line), from, to, segment);
+        judgeEdge(h, line, from, to, segment);
       } else if (isContour(line)) {
         // Lines run with the front side to their left: n × along points there. Where that side is
         // the farther one, the surface bends towards the eye and covers the line.
         segment.isHidden =
+            line.back != PolylineSet::Back::kSeen &&
             glm::dot(glm::cross(normal(segment.face), to - from), towardEye(0.5 * (from + to))) <
-            0.0;
+                0.0;
         if (!segment.isHidden) segment.openSide = 1;
       } else {
         segment.isHidden = !isFront(segment.face);
@@ -255,7 +261,7 @@ class SpanCutter {
 
   void judgeEdge(
       HalfEdgeId h,
-      bool isContour,
+      const PolylineSet::Line& line,
       const glm::dvec3& from,
       const glm::dvec3& to,
       Segment& segment) const {
@@ -269,9 +275,11 @@ class SpanCutter {
       segment.openSide = side;
     } else {
       const bool isFrontThere = isFront(HalfEdgeMesh::face(twin));
-      segment.isHidden = isFrontHere != isFrontThere || isContour
-                             ? isConcave(scene_.mesh, scene_.positions, h)
-                             : !isFrontHere;
+      const bool isHidden = isFrontHere != isFrontThere || isContour(line)
+                                ? isConcave(scene_.mesh, scene_.positions, h)
+                                : !isFrontHere;
+      segment.isHidden = isHidden && line.back == PolylineSet::Back::kNeverSeen;
+      segment.isDoubtful = isHidden && !segment.isHidden;
       if (segment.isHidden) return;
       if (isFrontHere != isFrontThere) segment.openSide = side;
     }

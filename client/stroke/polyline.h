@@ -34,6 +34,14 @@ enum class LineKind : std::uint8_t {
 /// Chained lines, flat. Points are in grid units of the model (Grid::toModel makes them model
 /// units), so that polygonal lines are exact.
 struct PolylineSet {
+  /// Whether the back side of a surface can be seen (OpenSurfaces): where it cannot, that hides
+  /// lines by rule.
+  enum class Back : std::uint8_t {
+    kNeverSeen,  // closed
+    kMayBeSeen,  // open
+    kSeen,       // open, and turned so from this view
+  };
+
   struct Line {
     LineKind kind = LineKind::kSilhouette;
     bool closed = false;      // the first point is not repeated
@@ -42,6 +50,7 @@ struct PolylineSet {
     /// It runs over the surface, not where that turns away from the eye: a light's silhouette, or
     /// one of the kinds from kSuggestive on.
     bool onSurface = false;
+    Back back = Back::kNeverSeen;  // of its surface
 
     /// Segments: end − begin for a closed line, one fewer for an open one.
     [[nodiscard]] std::uint32_t segmentCount() const { return end - begin - (closed ? 0 : 1); }

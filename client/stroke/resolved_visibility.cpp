@@ -28,9 +28,6 @@ namespace {
 constexpr double kSkip = 1e-4;
 /// Of points in floats, on faces that are not the line's own: where parts pass through each other.
 constexpr double kSkipOnSurface = 0.05;
-/// Of borders: parts of machines are put together with others' faces as far before their edges as
-/// the two sides of a crack lie apart, and farther along a slanting ray.
-constexpr double kSkipAtBorder = 5.0;
 
 /// Resolves the lines of one view.
 class ViewResolver {
@@ -130,9 +127,10 @@ class ViewResolver {
     const glm::dvec3 a(lines_.points[point]);
     const glm::dvec3 b(lines_.points[next]);
     const bool isSmooth = lines_.halfEdges[point] == kNone;
-    const bool isHidden = !isSmooth        ? isHiddenEdge(line, lines_.halfEdges[point])
-                          : line.onSurface ? isClosed_ && isFront_[lines_.faces[point]] == 0
-                                           : isHiddenSmooth(point, a, b);
+    const bool isHidden =
+        !isSmooth        ? isHiddenEdge(line, lines_.halfEdges[point])
+        : line.onSurface ? isClosed_ && isFront_[lines_.faces[point]] == 0
+                         : line.back != PolylineSet::Back::kSeen && isHiddenSmooth(point, a, b);
     if (isHidden) {
       out.pieces.push_back({1.0F, false});
       return;
@@ -153,8 +151,13 @@ class ViewResolver {
       const double to = cut < cuts_.size() ? cuts_[cut].inSpace : 1.0;
       const glm::dvec3 middle = glm::mix(a, b, 0.5 * (from + to));
       const bool isAside = isSmooth && !line.onSurface;
-      const bool visible = isAside ? !isBlockedAside(point, b - a, middle, out)
-                                   : !isBlocked(middle, skipOf(line, point), own_, out);
+      const bool visible = isAside
+                               ? !isBlockedAside(point, b - a, middle, out)
+                               : !isBlocked(
+                                     middle,
+                                     line.kind == LineKind::kIntersection ? kSkipOnSurface : kSkip,
+                                     own_,
+                                     out);
       const bool isFirst = out.pieces.size() == out.begin.back();
       if (!isFirst && out.pieces.back().visible == visible) {
         out.pieces.back().end = static_cast<float>(to);
@@ -163,12 +166,6 @@ class ViewResolver {
       }
       from = to;
     }
-  }
-
-  [[nodiscard]] double skipOf(const PolylineSet::Line& line, std::uint32_t point) const {
-    if (line.kind == LineKind::kIntersection) return kSkipOnSurface;
-    const HalfEdgeId h = lines_.halfEdges[point];
-    return h != kNone && mesh_.twin(h) == kNone ? kSkipAtBorder : kSkip;
   }
 
   // Where parts pass through one another a line comes out of a face, or goes in behind it.
@@ -231,7 +228,7 @@ class ViewResolver {
   // Hidden by its own two faces, whatever else there is.
   [[nodiscard]] bool isHiddenEdge(const PolylineSet::Line& line, HalfEdgeId h) const {
     const HalfEdgeId twin = mesh_.twin(h);
-    if (twin == kNone) return false;
+    if (twin == kNone || line.back != PolylineSet::Back::kNeverSeen) return false;
     const bool here = isFront_[HalfEdgeMesh::face(h)] != 0;
     const bool there = isFront_[HalfEdgeMesh::face(twin)] != 0;
     if (here != there || (line.kind == LineKind::kSilhouette && !line.onSurface))

@@ -20,7 +20,8 @@ struct SpanSegment {
   FaceId other = kNone;   // across its edge, if it is one with two faces
   bool isSmooth = false;  // on no edge
   bool isInPicture = false;
-  bool isHidden = false;  // by its own surface, all along it
+  bool isHidden = false;    // by its own surface, all along it
+  bool isDoubtful = false;  // hidden so if the back side of its surface cannot be seen
   bool isHiddenAtStart = false;
   bool isHiddenAtEnd = false;
   /// Where in the picture its surface ends: 1 right of it, −1 left, 0 nowhere.

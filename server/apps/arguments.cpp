@@ -15,7 +15,7 @@ int complain(std::string_view program, int status, std::string_view message) {
   return status;
 }
 
-std::optional<int> parseArguments(CLI::App& app, int argc, char** argv, const Explain& explain) {
+std::optional<int> parseArguments(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -23,8 +23,7 @@ std::optional<int> parseArguments(CLI::App& app, int argc, char** argv, const Ex
     return complain(
         app.get_name(),
         kExitUsage,
-        (explain ? explain(error.what()) : std::string(error.what())) + " (see " + app.get_name() +
-            " --help)");
+        std::string(error.what()) + " (see " + app.get_name() + " --help)");
   }
   return std::nullopt;
 }

@@ -3,8 +3,6 @@
 
 #include "protocol/messages.h"
 
-#include "shared/core/toml_errors.h"
-
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -46,7 +44,7 @@ Result<std::map<std::string, std::string>> readKeys(const toml::table& table) {
     if (std::ranges::find(kKeys, name) == kKeys.end()) {
       return fail(
           ErrorCode::kInvalidArgument,
-          unknownTomlKey(node.source().begin.line, name, kKeys));
+          "limn.toml: there is no option '" + name + "'; limn-prepare --help lists them");
     }
     if (const auto* text = node.as_string()) {
       values[name] = text->get();
@@ -57,27 +55,15 @@ Result<std::map<std::string, std::string>> readKeys(const toml::table& table) {
     } else {
       return fail(
           ErrorCode::kInvalidArgument,
-          wrongTomlValue(node.source().begin.line, name, "a number or a text in quotes"));
+          "limn.toml: '" + name + "' must be a number or a text");
     }
   }
   return values;
 }
 
-tl::unexpected<Error> wrongModels(const toml::node& node) {
-  return fail(
-      ErrorCode::kInvalidArgument,
-      tomlError(node.source().begin.line, "write [models.NAME] for one model's options"));
-}
-
 }  // namespace
 
 Result<PrepareSettings> PrepareSettings::parse(std::string_view text) {
-  auto settings = read(text);
-  if (!settings) return tl::unexpected(settings.error().within("limn.toml"));
-  return settings;
-}
-
-Result<PrepareSettings> PrepareSettings::read(std::string_view text) {
   toml::table root;
   // The one parser here that throws.
   try {
@@ -85,18 +71,26 @@ Result<PrepareSettings> PrepareSettings::read(std::string_view text) {
   } catch (const toml::parse_error& error) {
     return fail(
         ErrorCode::kInvalidArgument,
-        tomlError(error.source().begin.line, error.description()));
+        "limn.toml, line " + std::to_string(error.source().begin.line) + ": " +
+            std::string(error.description()));
   }
   PrepareSettings settings;
   auto common = readKeys(root);
   if (!common) return tl::unexpected(common.error());
   settings.common_ = std::move(*common);
-  if (const auto models = root["models"]; models && !models.is_table())
-    return wrongModels(*models.node());
+  if (const auto models = root["models"]; models && !models.is_table()) {
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "limn.toml: write [models.NAME] for one model's options");
+  }
   if (const toml::table* models = root["models"].as_table()) {
     for (const auto& [name, node] : *models) {
       const toml::table* table = node.as_table();
-      if (table == nullptr) return wrongModels(node);
+      if (table == nullptr) {
+        return fail(
+            ErrorCode::kInvalidArgument,
+            "limn.toml: write [models.NAME] for one model's options");
+      }
       auto values = readKeys(*table);
       if (!values) return tl::unexpected(values.error());
       settings.models_[std::string(name.str())] = std::move(*values);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/apps/arguments.h"
 #include "server/apps/background_preparation.h"
-#include "server/apps/config_file.h"
 #include "server/apps/inspect.h"
 #include "server/apps/log.h"
 #include "server/apps/service_manager.h"
@@ -369,10 +368,7 @@ int run(int argc, char** argv) {
          "Processor time of a preparation of --models; 0: no limit")
       ->capture_default_str();
   app.set_config("--config", "", "Read options from a TOML file");
-  const auto config = ConfigFile::read(app, {argv, static_cast<std::size_t>(argc)});
-  if (!config) return complain(kProgram, kExitUsage, config.error().message);
-  const auto explain = [&](const std::string& complaint) { return config->withPlace(complaint); };
-  if (const auto status = parseArguments(app, argc, argv, explain)) return *status;
+  if (const auto status = parseArguments(app, argc, argv)) return *status;
   if (arguments.store.find("://") != std::string::npos) {
     return complain(
         kProgram,

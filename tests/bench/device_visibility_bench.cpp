@@ -12,11 +12,13 @@
 #include "client/stroke/chain.h"
 #include "client/stroke/crease_contours.h"
 #include "client/stroke/crease_noise.h"
+#include "client/stroke/open_surfaces.h"
 #include "client/stroke/resolved_visibility.h"
 #include "client/stroke/visibility.h"
 #include "tests/bench/measure.h"
 #include "tests/corpus/corpus.h"
 
+#include "shared/mesh/cracks.h"
 #include "shared/mesh/feature_edges.h"
 #include "shared/silhouette/detector.h"
 
@@ -100,10 +102,14 @@ class Bench {
     snapshot.revision = ++revision_;  // each is another mesh to the renderer's cache
     const VisibilityResolver resolver(snapshot.mesh.mesh(), snapshot.mesh.positions());
     // As limn-client draws: with the contours of creases.
+    const Cracks cracks = findCracks(snapshot.mesh.mesh(), snapshot.mesh.positions());
+    openSurfaces_.emplace(snapshot.mesh.mesh(), snapshot.mesh.positions(), cracks);
+    crackParts_ = cracks.parts;
     creases_ = withoutNoise(
         snapshot.mesh.mesh(),
         snapshot.mesh.positions(),
-        findCreases(snapshot.mesh.mesh(), snapshot.mesh.positions(), kCreaseDegrees));
+        findCreases(snapshot.mesh.mesh(), snapshot.mesh.positions(), kCreaseDegrees),
+        cracks.kinds);
     return report(file, snapshot, resolver, SilhouetteKind::kEdges) &&
            report(file, snapshot, resolver, SilhouetteKind::kSmooth);
   }
@@ -154,10 +160,11 @@ class Bench {
     const SilhouetteView view{snapshot.model.grid.fromModel(camera.eye), camera.forward(), false};
     SilhouetteChainer chainer;
     std::optional<CreaseContours> creases;
-    if (kind == SilhouetteKind::kSmooth) creases.emplace(field, creases_);
+    if (kind == SilhouetteKind::kSmooth) creases.emplace(field, creases_, crackParts_);
     const SilhouetteResult& found = detector->detect(view);
-    const PolylineSet& lines =
+    PolylineSet lines =
         creases ? creases->chain(view, found, chainer) : chainer.chain(field, view, found);
+    openSurfaces_->markBacks(view, lines);
     RenderOptions options;
     options.viewport = {kSize, kSize};
     options.keepDepth = true;
@@ -268,7 +275,10 @@ class Bench {
   }
 
   Renderer renderer_;
-  std::vector<std::uint8_t> creases_;  // of the model at hand
+  // Of the model at hand.
+  std::vector<std::uint8_t> creases_;
+  std::vector<CrackPart> crackParts_;
+  std::optional<OpenSurfaces> openSurfaces_;
   std::uint64_t revision_ = 0;
 };
 
