@@ -15,6 +15,7 @@ import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "integration"))
 import harness  # noqa: E402
+import meshes  # noqa: E402
 import slow_link  # noqa: E402
 
 harness.DEADLINE_S = 1800  # of one program: the largest meshes on a busy machine
@@ -72,7 +73,7 @@ def number(value, unit):
 def draco_bytes(dump, bits, folder):
     """Size of one Draco mesh of the same quantised positions and faces: draco_encoder -cl 7 -qp bits. Its grid is the
     longest side divided by 2^bits - 1, as ours, so integer positions stay what they are."""
-    mesh = harness.read_ply(dump)
+    mesh = meshes.read_ply(dump)
     plain, packed = folder / "draco.ply", folder / "draco.drc"
     with open(plain, "wb") as out:
         out.write(("ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
@@ -97,8 +98,8 @@ class Bench:
         if models is None:
             named = harness.models()
             if named is None:
-                made = {"torus": harness.torus(96, 48), "bumpy": harness.torus(256, 128, 0.3), "hills": harness.hills(100, 80)}
-                return {n: harness.write_obj(self.folder / (n + ".obj"), shape) for n, shape in made.items()}
+                made = {"torus": meshes.torus(96, 48), "bumpy": meshes.torus(256, 128, 0.3), "hills": meshes.hills(100, 80)}
+                return {n: meshes.write_obj(self.folder / (n + ".obj"), shape) for n, shape in made.items()}
             models = named
         files = sorted((f for f in models.iterdir() if f.suffix.lower() in EXTENSIONS), key=lambda f: f.stat().st_size)
         if self.quick:

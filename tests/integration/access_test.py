@@ -12,7 +12,8 @@ import subprocess
 import time
 import unittest
 
-from harness import BIN, DEADLINE_S, Case, Server, run, torus
+from harness import BIN, DEADLINE_S, Case, Server, run
+from meshes import torus
 from rude_client import BINARY, WebSocket, hello, kind, open_dragon, vector
 
 CATALOGUE, MODEL_INFO, ERROR = 9, 10, 16

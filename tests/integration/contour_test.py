@@ -5,7 +5,8 @@ visible ones, both ways, as the client itself draws and measures them."""
 import json
 import unittest
 
-from harness import Case, Server, hills, models, pair, run, torus
+from harness import Case, Server, models, run
+from meshes import hills, pair, torus
 
 SHAPES = {"bumpy": torus(96, 48, 0.3), "pair": pair(), "hills": hills(40, 30)}
 MODELS = ("bunny-low.off", "casting.off")

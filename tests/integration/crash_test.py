@@ -7,7 +7,8 @@ import threading
 import time
 import unittest
 
-from harness import BIN, Case, Proxy, Server, hills, run, torus, write_obj
+from harness import BIN, Case, Proxy, Server, run
+from meshes import hills, torus, write_obj
 
 LARGE = torus(160, 80, 0.3)  # 25,600 faces
 

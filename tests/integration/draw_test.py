@@ -8,7 +8,8 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import png
-from harness import Case, Server, run, torus, write_obj
+from harness import Case, Server, run
+from meshes import torus, write_obj
 
 WAYS = ["image-edges", "geometry-shader", "conditional-lines"] + [
     "image-precision:" + way for way in ("wireframe", "translate", "z-scale", "offset", "fatten", "charcoal")]

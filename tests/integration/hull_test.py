@@ -8,7 +8,8 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import png
-from harness import Case, Proxy, Server, hills, read_ply, run, torus, wait_until, write_painted
+from harness import Case, Proxy, Server, run, wait_until
+from meshes import hills, read_ply, torus, write_painted
 
 
 def volume(mesh):

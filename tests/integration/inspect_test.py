@@ -5,7 +5,8 @@ import json
 import unittest
 import xml.etree.ElementTree
 
-from harness import Case, run, torus, write_painted
+from harness import Case, run
+from meshes import torus, write_painted
 
 FRAME_AND_HEAD = 160  # of a message: WebSocket header, FlatBuffer, the run's head, the coder's end
 

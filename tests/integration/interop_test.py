@@ -16,7 +16,8 @@ import sys
 import threading
 import unittest
 
-from harness import DEADLINE_S, Case, Server, torus
+from harness import DEADLINE_S, Case, Server
+from meshes import torus
 from rude_client import hello, open_dragon, vector
 
 PEERS = pathlib.Path(__file__).resolve().parent / "interop"

@@ -6,8 +6,9 @@ import socket
 import struct
 import unittest
 
-from harness import DEADLINE_S, Case, Server, torus
-from rude_client import BINARY, CLOSE, CONTINUATION, WebSocket, acknowledge, hello, kind, open_dragon, pose, vector
+from harness import DEADLINE_S, Case, Server
+from meshes import torus
+from rude_client import BINARY, CLOSE, CONTINUATION, WebSocket, acknowledge, hello, kind, open_dragon, pose
 
 WELCOME, CATALOGUE, BASE, LEVEL_BLOCK, PACKET, SEEDS, SETTLED, ERROR = 8, 9, 11, 12, 13, 14, 15, 16
 PAYLOAD = (BASE, LEVEL_BLOCK, PACKET, SEEDS)

@@ -4,7 +4,8 @@
 import json
 import unittest
 
-from harness import Case, Server, run, torus
+from harness import Case, Server, run
+from meshes import torus
 
 SCRIPT = """
 decode = %s

@@ -8,7 +8,8 @@ import subprocess
 import time
 import unittest
 
-from harness import BIN, DEADLINE_S, Case, Server, hills, torus, write_obj
+from harness import BIN, DEADLINE_S, Case, Server
+from meshes import hills, torus, write_obj
 from rude_client import BINARY, TEXT, WebSocket, hello
 
 

@@ -10,7 +10,8 @@ import socket
 import subprocess
 import unittest
 
-from harness import BIN, DEADLINE_S, Case, Server, free_port, run, torus, write_obj
+from harness import BIN, DEADLINE_S, Case, Server, free_port, run
+from meshes import torus, write_obj
 from rude_client import WebSocket, hello
 
 CONFIGURATION = pathlib.Path(__file__).resolve().parents[2] / "deploy" / "limn-server.toml"

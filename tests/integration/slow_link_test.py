@@ -4,7 +4,8 @@
 import json
 import unittest
 
-from harness import Case, Server, run, torus
+from harness import Case, Server, run
+from meshes import torus
 from shaping_proxy import ShapingProxy
 
 MBIT = 125_000  # bytes a second

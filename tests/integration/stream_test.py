@@ -6,8 +6,8 @@ import json
 import os
 import unittest
 
-from harness import Case, Mesh, Server, canonical, hills, manifold_fault, models, pair, read_ply, run, torus, \
-    write_painted, write_two_materials
+from harness import Case, Server, models, run
+from meshes import Mesh, canonical, hills, manifold_fault, pair, read_ply, torus, write_painted, write_two_materials
 
 SHAPES = {"torus": torus(48, 24), "bumpy": torus(96, 48, 0.3), "hills": hills(40, 30), "pair": pair()}
 CAMERAS = ["orbit:0,0", "orbit:130,40,1.5", "orbit:250,-75,8"]

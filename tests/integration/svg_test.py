@@ -11,7 +11,8 @@ import xml.etree.ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import png
-from harness import Case, hills, run, torus, write_obj
+from harness import Case, run
+from meshes import hills, torus, write_obj
 
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"

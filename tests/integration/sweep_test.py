@@ -5,7 +5,8 @@ import csv
 import unittest
 import xml.etree.ElementTree
 
-from harness import Case, run, torus, write_obj
+from harness import Case, run
+from meshes import torus, write_obj
 
 COLUMNS = ["mesh", "faces", "detector", "frame", "detect_ms", "segments", "recall", "faces_visited"]
 COMPLETE = ("brute", "cones", "exact")

@@ -13,7 +13,8 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import png
-from harness import BIN, DEADLINE_S, Case, Server, hills, torus, wait_until, write_obj
+from harness import BIN, DEADLINE_S, Case, Server, wait_until
+from meshes import hills, torus, write_obj
 
 
 class Window:

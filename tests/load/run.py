@@ -18,6 +18,7 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "integration"), str(HERE.parent / "bench")]
 import harness  # noqa: E402
+import meshes  # noqa: E402
 import plot  # noqa: E402
 
 harness.DEADLINE_S = 3000  # of one program: a soak
@@ -80,7 +81,7 @@ def prepare(names, models, folder):
     store = folder / "store"
     for name in sorted(names):
         found = [models / (name + e) for e in EXTENSIONS if models and (models / (name + e)).exists()]
-        mesh = found[0] if found else harness.write_obj(folder / (name + ".obj"), harness.torus(*GENERATED[name]))
+        mesh = found[0] if found else meshes.write_obj(folder / (name + ".obj"), meshes.torus(*GENERATED[name]))
         harness.run("limn-prepare", mesh, "--store", store, "--name", name)
     return store
 
