@@ -60,14 +60,7 @@ class SpanCutter {
         clipFromGrid_(clipFromGrid(scene)),
         eye_(scene.grid.fromModel(scene.camera.eye)),
         toEyeAtInfinity_(-scene.camera.forward()),
-        isPolygonal_(std::none_of(
-            lines.lines.begin(),
-            lines.lines.end(),
-            [&](const PolylineSet::Line& line) {
-              const auto first = lines.halfEdges.begin() + line.begin;
-              return isContour(line) && std::find(first, first + line.segmentCount(), kNone) !=
-                                            first + line.segmentCount();
-            })),
+        isPolygonal_(!hasSmoothContours(lines)),
         prober_(
             lines,
             scene,

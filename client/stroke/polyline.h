@@ -5,6 +5,7 @@
 
 #include <glm/glm.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -67,6 +68,17 @@ struct PolylineSet {
   /// with it.
   std::vector<float> strengths;
 };
+
+/// Whether any silhouette is smooth: without, all contours are edges of the mesh, and exact.
+/// Cost: O(points).
+[[nodiscard]] inline bool hasSmoothContours(const PolylineSet& lines) {
+  return std::any_of(lines.lines.begin(), lines.lines.end(), [&](const PolylineSet::Line& line) {
+    const auto first = lines.halfEdges.begin() + line.begin;
+    const auto last = first + line.segmentCount();
+    return line.kind == LineKind::kSilhouette && !line.onSurface &&
+           std::find(first, last, kNone) != last;
+  });
+}
 
 /// Appends a point of `from` with all that is known about it.
 inline void appendPoint(const PolylineSet& from, std::uint32_t point, PolylineSet& to) {

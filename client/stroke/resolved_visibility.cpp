@@ -309,7 +309,7 @@ ResolvedLines VisibilityResolver::resolve(
     const LineScene& scene,
     std::span<const std::uint8_t> isDrawn) const {
   LineSpans spans;
-  LineSpanFinder().find(lines, isDrawn, scene, spans);
+  if (hasSmoothContours(lines)) LineSpanFinder().find(lines, isDrawn, scene, spans);
   return ViewResolver(lines, scene, bvh_, isClosed_, spans.isNearest).resolve();
 }
 
