@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/load/script.h"
 
+#include "shared/core/toml_errors.h"
+
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -29,8 +31,8 @@ constexpr std::array<BehaviourName, 6> kBehaviours{{
     {"malformed", Behaviour::kMalformed},
 }};
 
-std::string at(const toml::node& node) {
-  return "script line " + std::to_string(node.source().begin.line) + ": ";
+std::size_t lineOf(const toml::node& node) {
+  return node.source().begin.line;
 }
 
 /// Reads the keys of one table; remembers the first complaint, so that callers read on in a line.
@@ -45,9 +47,7 @@ class TableReader {
     const std::optional<double> found =
         node->is_number() ? node->value<double>() : std::optional<double>();
     if (!found || !(*found >= low && *found <= high)) {
-      complain(
-          at(*node) + std::string(key) + " must be a number from " + shortNumber(low) + " to " +
-          shortNumber(high));
+      complain(wrongTomlValue(lineOf(*node), key, tomlNumberFrom(low, high)));
       return;
     }
     value = *found;
@@ -58,7 +58,7 @@ class TableReader {
     double wide = value;
     number(key, low, high, wide);
     if (wide != std::floor(wide)) {
-      complain(at(*table_.get(key)) + std::string(key) + " must be a whole number");
+      complain(wrongTomlValue(lineOf(*table_.get(key)), key, "a whole number"));
       return;
     }
     value = static_cast<Integer>(wide);
@@ -70,11 +70,11 @@ class TableReader {
     if (node == nullptr) return;
     const toml::array* array = node->as_array();
     if (array == nullptr || array->size() > 15) {
-      return complain(at(*node) + std::string(key) + " is a list of at most 15 texts");
+      return complain(wrongTomlValue(lineOf(*node), key, "a list of at most 15 texts"));
     }
     for (const toml::node& entry : *array) {
       const auto value = entry.value<std::string>();
-      if (!value) return complain(at(entry) + std::string(key) + " is a list of texts");
+      if (!value) return complain(wrongTomlValue(lineOf(entry), key, "a list of texts"));
       values.push_back(*value);
     }
   }
@@ -85,7 +85,7 @@ class TableReader {
     if (node == nullptr) return;
     const std::optional<std::string> found = node->value<std::string>();
     if (!node->is_string() || !found || found->empty()) {
-      complain(at(*node) + std::string(key) + " must be a text in quotes");
+      complain(wrongTomlValue(lineOf(*node), key, "a text in quotes"));
       return;
     }
     value = *found;
@@ -96,7 +96,7 @@ class TableReader {
     const toml::node* node = table_.get(key);
     if (node == nullptr) return;
     if (!node->is_boolean()) {
-      complain(at(*node) + std::string(key) + " must be true or false");
+      complain(wrongTomlValue(lineOf(*node), key, "true or false"));
       return;
     }
     value = *node->value<bool>();
@@ -111,23 +111,13 @@ class TableReader {
     if (complaint_) return complaint_;
     for (const auto& [key, node] : table_) {
       if (std::find(known_.begin(), known_.end(), key.str()) == known_.end()) {
-        std::string message = at(node) + "unknown key '" + std::string(key.str()) + "'; known are";
-        for (const std::string_view name : known_)
-          message += " " + std::string(name);
-        return message;
+        return unknownTomlKey(lineOf(node), key.str(), known_);
       }
     }
     return std::nullopt;
   }
 
  private:
-  static std::string shortNumber(double value) {
-    std::string digits = std::to_string(value);
-    digits.erase(digits.find_last_not_of('0') + 1);
-    if (digits.back() == '.') digits.pop_back();
-    return digits;
-  }
-
   const toml::table& table_;
   std::vector<std::string_view> known_;
   std::optional<std::string> complaint_;
@@ -169,16 +159,15 @@ Result<Phase> parsePhase(const toml::table& table, const std::filesystem::path& 
     return entry.name == behaviour;
   });
   if (found == kBehaviours.end()) {
-    std::string message =
-        at(*table.get("behaviour")) + "unknown behaviour '" + behaviour + "'; use";
+    std::string names = "one of";
     for (const BehaviourName& entry : kBehaviours)
-      message += " " + std::string(entry.name);
-    reader.complain(message);
+      names += " " + std::string(entry.name);
+    reader.complain(wrongTomlValue(lineOf(*table.get("behaviour")), "behaviour", names));
   } else {
     phase.behaviour = found->behaviour;
   }
   if (phase.model.empty())
-    reader.complain(at(table) + "the phase names no model: model = \"NAME\"");
+    reader.complain(tomlError(lineOf(table), "the phase names no model: write model = \"NAME\""));
   if (const auto complaint = reader.complaint()) {
     return fail(ErrorCode::kInvalidArgument, *complaint);
   }
@@ -219,8 +208,7 @@ Result<Script> parseScript(std::string_view text, const std::filesystem::path& f
   } catch (const toml::parse_error& error) {
     return fail(
         ErrorCode::kInvalidArgument,
-        "script line " + std::to_string(error.source().begin.line) + ": " +
-            std::string(error.description()));
+        tomlError(error.source().begin.line, error.description()));
   }
   Script script;
   for (const auto& [key, node] : root) {
@@ -229,12 +217,17 @@ Result<Script> parseScript(std::string_view text, const std::filesystem::path& f
     if (key.str() == "decode" && node.is_number()) {
       script.decode = *node.value<double>();
       if (script.decode >= 0.0 && script.decode <= 1.0) continue;
-      return fail(ErrorCode::kInvalidArgument, at(node) + "decode is a fraction from 0 to 1");
+      return fail(
+          ErrorCode::kInvalidArgument,
+          wrongTomlValue(lineOf(node), "decode", tomlNumberFrom(0.0, 1.0)));
     }
     return fail(
         ErrorCode::kInvalidArgument,
-        at(node) + "'" + std::string(key.str()) +
-            "' is not part of a script; it has [[phase]], decode = FRACTION and [thresholds]");
+        tomlError(
+            lineOf(node),
+            "'" + std::string(key.str()) +
+                "' is not part of a script; it has [[phase]], decode = FRACTION and "
+                "[thresholds]"));
   }
   if (const toml::array* phases = root.get_as<toml::array>("phase")) {
     for (const toml::node& node : *phases) {

@@ -38,7 +38,8 @@ glm::dmat4 clipFromGridOf(const LineScene& scene) {
 }
 
 float wrapped(float value, float period) {
-  return value - period * std::round(value / period);
+  const float turns = value / period;
+  return std::abs(turns) < 0.5F ? value : value - period * std::round(turns);
 }
 
 /// Walks a spine by arc length.
@@ -122,7 +123,7 @@ void CoherentParameters::look(const LineScene& scene, float periodPx) {
   const glm::dmat4 clipFromGrid = clipFromGridOf(scene);
   columns_ = scene.viewport.width / kCellPx + 1;
   rows_ = scene.viewport.height / kCellPx + 1;
-  unsorted_.clear();
+  inOrder_.clear();
   std::uint32_t before = kNone;
   for (const Mark& mark : marks_) {
     const glm::dvec4 clip = clipFromGrid * glm::dvec4(mark.point, 1.0);
@@ -132,18 +133,18 @@ void CoherentParameters::look(const LineScene& scene, float periodPx) {
       continue;
     }
     const glm::dvec3 pixel = pixelFromClip(clip, scene.viewport);
-    Seen seen{glm::vec2(pixel), glm::vec2(0.0F), 0.0F, scale * mark.parameter};
+    Seen seen{glm::vec2(pixel), glm::vec2(0.0F), 0.0F, scale * mark.parameter, 0};
     seen.distance = viewDistance(scene.camera, static_cast<float>(pixel.z));
     if (before != kNone) {
-      const glm::vec2 step = seen.point - unsorted_[before].point;
+      const glm::vec2 step = seen.point - inOrder_[before].point;
       const float size = glm::length(step);
       if (size > 1e-3F) {
         seen.along = step / size;
-        if (unsorted_[before].along == glm::vec2(0.0F)) unsorted_[before].along = seen.along;
+        if (inOrder_[before].along == glm::vec2(0.0F)) inOrder_[before].along = seen.along;
       }
     }
-    before = static_cast<std::uint32_t>(unsorted_.size());
-    unsorted_.push_back(seen);
+    before = seen.number = static_cast<std::uint32_t>(inOrder_.size());
+    inOrder_.push_back(seen);
   }
   const auto cellOf = [&](const glm::vec2& p) {
     const int x = std::clamp(static_cast<int>(p.x) / kCellPx, 0, columns_ - 1);
@@ -152,13 +153,13 @@ void CoherentParameters::look(const LineScene& scene, float periodPx) {
   };
   // First how many, then where each cell ends; filling from the back leaves where it begins.
   cells_.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
-  for (const Seen& seen : unsorted_)
+  for (const Seen& seen : inOrder_)
     ++cells_[cellOf(seen.point)];
   for (std::size_t i = 1; i < cells_.size(); ++i)
     cells_[i] += cells_[i - 1];
-  seen_.resize(unsorted_.size());
-  for (std::size_t i = unsorted_.size(); i-- > 0;)
-    seen_[--cells_[cellOf(unsorted_[i].point)]] = unsorted_[i];
+  seen_.resize(inOrder_.size());
+  for (std::size_t i = inOrder_.size(); i-- > 0;)
+    seen_[--cells_[cellOf(inOrder_[i].point)]] = inOrder_[i];
 }
 
 void CoherentParameters::vote(
@@ -175,6 +176,7 @@ void CoherentParameters::vote(
       scene.camera,
       scene.viewport,
       viewDistance(scene.camera, spines.depth[spines.spines[spine].begin]));
+  std::uint32_t expected = kNone;  // the mark after the last place's
   for (std::uint32_t k = 0; k <= steps; ++k) {
     const float arc = length * static_cast<float>(k) / static_cast<float>(steps);
     const Walker::Place place = walker.at(arc);
@@ -188,30 +190,34 @@ void CoherentParameters::vote(
         glm::mix(spines.depth[place.from], spines.depth[place.to], place.t));
     float best = kReachPx * kReachPx;
     const Seen* mark = nullptr;
+    const auto consider = [&](const Seen& candidate) {
+      const glm::vec2 away = candidate.point - at;
+      // Beside the line counts four times: two lines may run close to one another.
+      const float ahead = glm::dot(away, along);
+      const float score = 4.0F * glm::dot(away, away) - 3.0F * ahead * ahead;
+      if (score >= best) return;
+      if (glm::dot(candidate.along, along) < kMinCosine) return;
+      if (std::abs(candidate.distance - distance) * unit > kDepthPx) return;
+      best = score;
+      mark = &candidate;
+    };
+    // Mostly it is the best, and none farther away than its score says can be better.
+    if (expected < inOrder_.size()) consider(inOrder_[expected]);
+    const float reach = mark != nullptr ? std::min(std::sqrt(best) + 0.01F, kReachPx) : kReachPx;
     const auto cellAt = [](float p, int count) {
       return std::clamp(static_cast<int>(p) / kCellPx, 0, count - 1);
     };
-    const int firstX = cellAt(at.x - kReachPx, columns_);
-    const int lastX = cellAt(at.x + kReachPx, columns_);
-    const int lastY = cellAt(at.y + kReachPx, rows_);
-    for (int cy = cellAt(at.y - kReachPx, rows_); cy <= lastY; ++cy) {
-      const Seen* end = seen_.data() + cells_[static_cast<std::size_t>(cy * columns_ + lastX) + 1];
-      for (const Seen* candidate =
-               seen_.data() + cells_[static_cast<std::size_t>(cy * columns_ + firstX)];
-           candidate < end;
-           ++candidate) {
-        const glm::vec2 away = candidate->point - at;
-        // Beside the line counts four times: two lines may run close to one another.
-        const float ahead = glm::dot(away, along);
-        const float score = 4.0F * glm::dot(away, away) - 3.0F * ahead * ahead;
-        if (score >= best) continue;
-        if (glm::dot(candidate->along, along) < kMinCosine) continue;
-        if (std::abs(candidate->distance - distance) * unit > kDepthPx) continue;
-        best = score;
-        mark = candidate;
-      }
+    const int firstX = cellAt(at.x - reach, columns_);
+    const int lastX = cellAt(at.x + reach, columns_);
+    const int lastY = cellAt(at.y + reach, rows_);
+    for (int cy = cellAt(at.y - reach, rows_); cy <= lastY; ++cy) {
+      const auto row = static_cast<std::size_t>(cy * columns_);
+      const std::uint32_t end = cells_[row + static_cast<std::size_t>(lastX) + 1];
+      for (std::uint32_t i = cells_[row + static_cast<std::size_t>(firstX)]; i < end; ++i)
+        consider(seen_[i]);
     }
     if (mark == nullptr) continue;
+    expected = mark->number + 1;
     moved_ += std::sqrt(best);
     votes_.push_back({arc, mark->parameter + glm::dot(at - mark->point, along) - arc});
   }

@@ -45,6 +45,7 @@ class CoherentParameters {
     glm::vec2 along;  // unit, 0 when unknown
     float distance;   // from the eye along the view, model units
     float parameter;
+    std::uint32_t number;  // in inOrder_
   };
 
   /// What a mark says about a place on a new line: parameter less arc length.
@@ -82,7 +83,7 @@ class CoherentParameters {
   std::vector<glm::vec2> lastPoints_;
   SpineParameters last_;
   // Of the call.
-  std::vector<Seen> unsorted_;        // in the order of marks_
+  std::vector<Seen> inOrder_;         // along the lines, as marks_
   std::vector<Seen> seen_;            // by cell
   std::vector<std::uint32_t> cells_;  // first of each cell in seen_, and one past the last
   int columns_ = 0;

@@ -28,6 +28,9 @@ namespace {
 constexpr double kSkip = 1e-4;
 /// Of points in floats, on faces that are not the line's own: where parts pass through each other.
 constexpr double kSkipOnSurface = 0.05;
+/// Of borders: parts of machines are put together with others' faces as far before their edges as
+/// the two sides of a crack lie apart, and farther along a slanting ray.
+constexpr double kSkipAtBorder = 5.0;
 
 /// Resolves the lines of one view.
 class ViewResolver {
@@ -151,13 +154,8 @@ class ViewResolver {
       const double to = cut < cuts_.size() ? cuts_[cut].inSpace : 1.0;
       const glm::dvec3 middle = glm::mix(a, b, 0.5 * (from + to));
       const bool isAside = isSmooth && !line.onSurface;
-      const bool visible = isAside
-                               ? !isBlockedAside(point, b - a, middle, out)
-                               : !isBlocked(
-                                     middle,
-                                     line.kind == LineKind::kIntersection ? kSkipOnSurface : kSkip,
-                                     own_,
-                                     out);
+      const bool visible = isAside ? !isBlockedAside(point, b - a, middle, out)
+                                   : !isBlocked(middle, skipOf(line, point), own_, out);
       const bool isFirst = out.pieces.size() == out.begin.back();
       if (!isFirst && out.pieces.back().visible == visible) {
         out.pieces.back().end = static_cast<float>(to);
@@ -166,6 +164,12 @@ class ViewResolver {
       }
       from = to;
     }
+  }
+
+  [[nodiscard]] double skipOf(const PolylineSet::Line& line, std::uint32_t point) const {
+    if (line.kind == LineKind::kIntersection) return kSkipOnSurface;
+    const HalfEdgeId h = lines_.halfEdges[point];
+    return h != kNone && mesh_.twin(h) == kNone ? kSkipAtBorder : kSkip;
   }
 
   // Where parts pass through one another a line comes out of a face, or goes in behind it.

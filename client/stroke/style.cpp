@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/style.h"
 
+#include "shared/core/toml_errors.h"
+
 // Header only and without exceptions: the packaged library is built with them.
 #define TOML_EXCEPTIONS 0
 #define TOML_HEADER_ONLY 1
@@ -13,55 +15,67 @@
 #include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace limn {
 namespace {
 
-/// How one key is read: false when its value will not do.
-using Reader = std::function<bool(const toml::node&)>;
+/// How one key is read.
+struct Reader {
+  std::string wanted;                           // what its value must be
+  std::function<bool(const toml::node&)> read;  // false when it will not do
+};
+
 using Readers = std::map<std::string, Reader, std::less<>>;
 
 Reader number(float& out, float low, float high) {
-  return [&out, low, high](const toml::node& node) {
-    const auto value = node.value<double>();
-    if (!value || !std::isfinite(*value) || *value < low || *value > high) return false;
-    out = static_cast<float>(*value);
-    return true;
-  };
+  return {tomlNumberFrom(low, high), [&out, low, high](const toml::node& node) {
+            const auto value = node.value<double>();
+            if (!value || !std::isfinite(*value) || *value < low || *value > high) return false;
+            out = static_cast<float>(*value);
+            return true;
+          }};
 }
 
 Reader color(glm::vec3& out) {
-  return [&out](const toml::node& node) {
-    const auto text = node.value<std::string>();
-    const auto parsed = text ? parseColor(*text) : fail(ErrorCode::kInvalidArgument, "");
-    if (parsed) out = *parsed;
-    return parsed.has_value();
-  };
+  return {"a colour, \"#rrggbb\"", [&out](const toml::node& node) {
+            const auto text = node.value<std::string>();
+            const auto parsed = text ? parseColor(*text) : fail(ErrorCode::kInvalidArgument, "");
+            if (parsed) out = *parsed;
+            return parsed.has_value();
+          }};
 }
 
 Reader fileName(std::string& out) {
-  return [&out](const toml::node& node) {
-    const auto text = node.value<std::string>();
-    // A style names files beside it, never elsewhere.
-    if (!text || text->empty() || text->find('/') != std::string::npos || text->front() == '.')
-      return false;
-    out = *text;
-    return true;
-  };
+  return {"the name of a file beside the style, in quotes", [&out](const toml::node& node) {
+            const auto text = node.value<std::string>();
+            // A style names files beside it, never elsewhere.
+            if (!text || text->empty() || text->find('/') != std::string::npos ||
+                text->front() == '.')
+              return false;
+            out = *text;
+            return true;
+          }};
+}
+
+template <class Map>
+std::vector<std::string_view> namesOf(const Map& map) {
+  std::vector<std::string_view> names;
+  for (const auto& entry : map)
+    names.push_back(entry.first);
+  return names;
 }
 
 Result<void> readTable(const toml::table& table, const std::string& where, const Readers& readers) {
   for (const auto& [key, node] : table) {
     if (node.is_table()) continue;  // read on its own
+    const std::string name = where + std::string(key.str());
+    const std::size_t line = node.source().begin.line;
     const auto reader = readers.find(key.str());
-    if (reader == readers.end()) {
-      return fail(ErrorCode::kCorrupt, "unknown key '" + where + std::string(key.str()) + "'");
-    }
-    if (!reader->second(node)) {
-      return fail(
-          ErrorCode::kCorrupt,
-          "the value of '" + where + std::string(key.str()) + "' is not usable");
-    }
+    if (reader == readers.end())
+      return fail(ErrorCode::kCorrupt, unknownTomlKey(line, name, namesOf(readers)));
+    if (!reader->second.read(node))
+      return fail(ErrorCode::kCorrupt, wrongTomlValue(line, name, reader->second.wanted));
   }
   return {};
 }
@@ -95,8 +109,7 @@ Result<StrokeStyle> parseStyle(std::string_view text) {
   if (!parsed) {
     return fail(
         ErrorCode::kCorrupt,
-        std::string(parsed.error().description()) + " (line " +
-            std::to_string(parsed.error().source().begin.line) + ")");
+        tomlError(parsed.error().source().begin.line, parsed.error().description()));
   }
   const toml::table& root = parsed.table();
   StrokeStyle style;
@@ -115,19 +128,24 @@ Result<StrokeStyle> parseStyle(std::string_view text) {
       {"visible", textureReaders(style.visible)},
       {"hidden", textureReaders(style.hidden)},
       {"paper", {{"color", color(style.paper)}, {"grain", number(style.grain, 0.0F, 1.0F)}}}};
-  if (auto read = readTable(root, "", {}); !read) return tl::unexpected(read.error());
   for (const auto& [key, node] : root) {
     const auto readers = tables.find(key.str());
-    if (readers == tables.end()) {
-      return fail(ErrorCode::kCorrupt, "unknown table '" + std::string(key.str()) + "'");
-    }
+    const std::size_t line = node.source().begin.line;
+    if (readers == tables.end())
+      return fail(ErrorCode::kCorrupt, unknownTomlKey(line, key.str(), namesOf(tables)));
+    if (!node.is_table())
+      return fail(
+          ErrorCode::kCorrupt,
+          wrongTomlValue(line, key.str(), "a table, with a line for each of its keys"));
     const auto read = readTable(*node.as_table(), readers->first + ".", readers->second);
     if (!read) return tl::unexpected(read.error());
   }
   for (const auto& [name, texture] :
        {std::pair{"visible", &style.visible}, {"hidden", &style.hidden}}) {
     if (texture->file.empty()) {
-      return fail(ErrorCode::kCorrupt, std::string("'") + name + ".texture' is missing");
+      return fail(
+          ErrorCode::kCorrupt,
+          std::string(name) + ".texture is missing: name a file beside the style");
     }
   }
   return style;

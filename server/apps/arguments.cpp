@@ -15,7 +15,7 @@ int complain(std::string_view program, int status, std::string_view message) {
   return status;
 }
 
-std::optional<int> parseArguments(CLI::App& app, int argc, char** argv) {
+std::optional<int> parseArguments(CLI::App& app, int argc, char** argv, const Explain& explain) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -23,7 +23,8 @@ std::optional<int> parseArguments(CLI::App& app, int argc, char** argv) {
     return complain(
         app.get_name(),
         kExitUsage,
-        std::string(error.what()) + " (see " + app.get_name() + " --help)");
+        (explain ? explain(error.what()) : std::string(error.what())) + " (see " + app.get_name() +
+            " --help)");
   }
   return std::nullopt;
 }

@@ -3,6 +3,8 @@
 
 #include "protocol/messages.h"
 
+#include "shared/core/toml_errors.h"
+
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -44,7 +46,7 @@ Result<std::map<std::string, std::string>> readKeys(const toml::table& table) {
     if (std::ranges::find(kKeys, name) == kKeys.end()) {
       return fail(
           ErrorCode::kInvalidArgument,
-          "limn.toml: there is no option '" + name + "'; limn-prepare --help lists them");
+          unknownTomlKey(node.source().begin.line, name, kKeys));
     }
     if (const auto* text = node.as_string()) {
       values[name] = text->get();
@@ -55,15 +57,27 @@ Result<std::map<std::string, std::string>> readKeys(const toml::table& table) {
     } else {
       return fail(
           ErrorCode::kInvalidArgument,
-          "limn.toml: '" + name + "' must be a number or a text");
+          wrongTomlValue(node.source().begin.line, name, "a number or a text in quotes"));
     }
   }
   return values;
 }
 
+tl::unexpected<Error> wrongModels(const toml::node& node) {
+  return fail(
+      ErrorCode::kInvalidArgument,
+      tomlError(node.source().begin.line, "write [models.NAME] for one model's options"));
+}
+
 }  // namespace
 
 Result<PrepareSettings> PrepareSettings::parse(std::string_view text) {
+  auto settings = read(text);
+  if (!settings) return tl::unexpected(settings.error().within("limn.toml"));
+  return settings;
+}
+
+Result<PrepareSettings> PrepareSettings::read(std::string_view text) {
   toml::table root;
   // The one parser here that throws.
   try {
@@ -71,26 +85,18 @@ Result<PrepareSettings> PrepareSettings::parse(std::string_view text) {
   } catch (const toml::parse_error& error) {
     return fail(
         ErrorCode::kInvalidArgument,
-        "limn.toml, line " + std::to_string(error.source().begin.line) + ": " +
-            std::string(error.description()));
+        tomlError(error.source().begin.line, error.description()));
   }
   PrepareSettings settings;
   auto common = readKeys(root);
   if (!common) return tl::unexpected(common.error());
   settings.common_ = std::move(*common);
-  if (const auto models = root["models"]; models && !models.is_table()) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "limn.toml: write [models.NAME] for one model's options");
-  }
+  if (const auto models = root["models"]; models && !models.is_table())
+    return wrongModels(*models.node());
   if (const toml::table* models = root["models"].as_table()) {
     for (const auto& [name, node] : *models) {
       const toml::table* table = node.as_table();
-      if (table == nullptr) {
-        return fail(
-            ErrorCode::kInvalidArgument,
-            "limn.toml: write [models.NAME] for one model's options");
-      }
+      if (table == nullptr) return wrongModels(node);
       auto values = readKeys(*table);
       if (!values) return tl::unexpected(values.error());
       settings.models_[std::string(name.str())] = std::move(*values);

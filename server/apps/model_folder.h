@@ -26,6 +26,8 @@ class PrepareSettings {
   [[nodiscard]] PrepareFlags flagsFor(const std::string& model) const;
 
  private:
+  [[nodiscard]] static Result<PrepareSettings> read(std::string_view toml);
+
   std::map<std::string, std::string> common_;
   std::map<std::string, std::map<std::string, std::string>> models_;
 };

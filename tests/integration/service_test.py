@@ -34,6 +34,16 @@ class Service(Case):
             server.kill()
             server.communicate()
 
+    def test_a_wrong_line_of_the_configuration_is_named(self):
+        file = self.folder / "limn-server.toml"
+        for text, said in (("window-kib = 64\nmax-client = 3\n", "line 2: there is no key 'max-client'; write one of"),
+                           ("max-clients-per-address = 1\nmax-clients = 'many'\n", "line 2: (.*)--max-clients"),
+                           ("\nhandshake-ms = 5\n", "line 2: --handshake-ms(.*)100(.*)600000"),
+                           ("listen = [\n", "line [12]: ")):
+            file.write_text(text)
+            with self.assertRaisesRegex(AssertionError, "exit status 2(.|\n)*limn-server: %s: %s" % (file, said)):
+                run("limn-server", "--store", self.store, "--config", file)
+
     def test_metrics_are_prometheus_text_and_logs_are_json(self):
         folder = self.folder / "models"
         folder.mkdir()

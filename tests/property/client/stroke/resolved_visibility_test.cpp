@@ -207,6 +207,51 @@ TEST(ResolvedVisibility, EqualsRaysThroughEveryFaceOnPartsThatPassThroughOneAnot
   expectExact("parts", std::move(parts));
 }
 
+TEST(ResolvedVisibility, ABorderIsNotHiddenByThePartItIsFittedInto) {
+  // A sheet, and another that stands so many grid units before its right border.
+  const auto isBorderSeen = [](int before) {
+    TriangleMesh shape;
+    shape.grid.step = 1e-3;
+    shape.positions = {
+        {0, 0, 0},
+        {1000, 0, 0},
+        {1000, 1000, 0},
+        {0, 1000, 0},
+        {900, -100, before},
+        {2000, -100, before},
+        {2000, 1100, before},
+        {900, 1100, before}};
+    shape.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
+    const Model model(std::move(shape));
+    Camera camera;
+    camera.eye = {0.5, 0.5, 5.0};
+    camera.target = {0.5, 0.5, 0.0};
+    camera.nearPlane = 0.1;
+    camera.farPlane = 20.0;
+    const LineScene scene{
+        model.mesh,
+        model.shape.positions,
+        model.shape.grid,
+        camera,
+        Viewport{512, 512}};
+    const PolylineSet lines = chainFeatures(model.mesh, model.shape.positions, {});
+    const ResolvedLines resolved =
+        VisibilityResolver(model.mesh, model.shape.positions).resolve(lines, scene);
+    for (const PolylineSet::Line& line : lines.lines) {
+      for (std::uint32_t point = line.begin; point < line.begin + line.segmentCount(); ++point) {
+        const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
+        const glm::vec3 middle = 0.5F * (lines.points[point] + lines.points[next]);
+        if (middle == glm::vec3(1000.0F, 500.0F, 0.0F))
+          return resolved.piecesOf(point).back().visible;
+      }
+    }
+    ADD_FAILURE() << "no border there";
+    return false;
+  };
+  EXPECT_TRUE(isBorderSeen(3));
+  EXPECT_FALSE(isBorderSeen(30));
+}
+
 TEST(ResolvedVisibility, SeesFromWithinTheMesh) {
   const Model model(primitives::torusKnot(2, 3, 80, 12));
   const BoundingSphere sphere = boundingSphere(model.shape.grid, model.shape.positions);

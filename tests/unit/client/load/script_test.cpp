@@ -97,14 +97,14 @@ TEST(LoadScript, RefusesWithTheLineAndWhatToWrite) {
   };
 
   for (const Case& bad : {
-           Case{"[[phase]]\nmodel = \"a\"\nclient = 3\n", "line 3: unknown key 'client'"},
+           Case{"[[phase]]\nmodel = \"a\"\nclient = 3\n", "line 3: there is no key 'client'"},
            Case{"[[phase]]\nmodel = \"a\"\nrate_hz = 0\n", "line 3: rate_hz"},
            Case{"[[phase]]\nmodel = \"a\"\nclients = 1.5\n", "whole number"},
            Case{"[[phase]]\nclients = 1\n", "names no model"},
            Case{"[[phase]]\nmodel = \"a\"\nbehaviour = \"rude\"\n", "slow-reader"},
            Case{"[[phase]]\nmodel = \"a\"\n[thresholds]\nspeed = 1\n", "pose_to_packet_p99_ms"},
-           Case{"[[phase]]\nmodel = \"a\"\nalso = \"b\"\n", "line 3: also is a list"},
-           Case{"[[phase]]\nmodel = \"a\"\nalso = [1]\n", "line 3: also is a list"},
+           Case{"[[phase]]\nmodel = \"a\"\nalso = \"b\"\n", "line 3: also must be a list"},
+           Case{"[[phase]]\nmodel = \"a\"\nalso = [1]\n", "line 3: also must be a list"},
            Case{"[[phase]]\nmodel = \"a\"\nreturns = 1\n", "line 3: returns must be true"},
            Case{"[[phase]]\nmodel = \"a\"\nmeasured = \"no\"\n", "measured must be true or false"},
            Case{"[[phase]]\nmodel = \"a\"\ndelay_s = -1\n", "line 3: delay_s"},
