@@ -147,7 +147,7 @@ class SpanCutter {
         segments.front().isDoubtful == segments.back().isDoubtful)
       joinSeam();
     prober_.probe(segments, firstSpan_, out_);
-    if (!isPolygonal_) cover(segments, firstPiece);
+    if (!isPolygonal_) cover(segments, line.begin, firstPiece);
   }
 
  private:
@@ -301,7 +301,7 @@ class SpanCutter {
     std::vector<LineCrossings::Crossing>& found = memory_.found_;
     found.clear();
     if (!segment.isInPicture || segment.isHidden) return;
-    if (isPolygonal_) {
+    if (isPolygonal_ || segment.openSide == 0) {
       memory_.crossings_.crossInPicture(segment.from, segment.to, found);
     } else {
       segment.nearBegin = static_cast<std::uint32_t>(memory_.near_.size());
@@ -310,13 +310,9 @@ class SpanCutter {
           firstOwnEdge(segment),
           endOfOwnEdges(segment),
           memory_.near_};
-      if (segment.openSide != 0) {
-        memory_.crossings_.crossAlong(segment.edge, found, beside);
-      } else {
-        memory_.crossings_.crossInPicture(segment.from, segment.to, found, beside);
-      }
+      memory_.crossings_.crossAlong(segment.edge, found, beside);
       segment.nearEnd = static_cast<std::uint32_t>(memory_.near_.size());
-      if (segment.openSide != 0 && isNearest(segment)) {
+      if (found.empty() && isNearest(segment)) {
         memory_.near_.resize(segment.nearBegin);
         segment.nearEnd = segment.nearBegin;
         if (segment.isSmooth) out_.isNearest[segment.point] = 1;
@@ -329,12 +325,11 @@ class SpanCutter {
   // it turns back, a part of it is hidden.
   [[nodiscard]] std::uint32_t firstOwnEdge(const Segment& segment) const {
     const std::uint32_t first = segment.edge < kOwnEdges ? 0 : segment.edge - kOwnEdges;
-    return segment.openSide != 0 ? std::max(first, memory_.edgeRun_[segment.edge]) : first;
+    return std::max(first, memory_.edgeRun_[segment.edge]);
   }
 
   [[nodiscard]] std::uint32_t endOfOwnEdges(const Segment& segment) const {
     std::uint32_t end = segment.edge + 1;
-    if (segment.openSide == 0) return end + kOwnEdges;
     while (end < memory_.edgeRun_.size() && end <= segment.edge + kOwnEdges &&
            memory_.edgeRun_[end] == memory_.edgeRun_[segment.edge])
       ++end;
@@ -367,7 +362,7 @@ class SpanCutter {
   }
 
   // Parts that surfaces beside them cover are hidden, whatever their span is.
-  void cover(std::span<const Segment> segments, std::size_t firstPiece) {
+  void cover(std::span<const Segment> segments, std::uint32_t firstPoint, std::size_t firstPiece) {
     CoveredParts& covered = memory_.covered_;
     const CoveredParts::View view{
         lines_,
@@ -393,7 +388,7 @@ class SpanCutter {
       }
     }
     covered.flush(view, search_);
-    covered.hide(segments.front().begin, firstPiece, out_);
+    covered.hide(firstPoint, firstPiece, out_);
   }
 
   const PolylineSet& lines_;

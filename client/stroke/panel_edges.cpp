@@ -40,7 +40,10 @@ std::vector<std::uint8_t> withPanelEdges(
       continue;
     const glm::dvec3 along(at(strip) - from);
     const glm::dvec3 n = glm::cross(along, glm::dvec3(apex));
-    const glm::dvec3 m = glm::cross(glm::dvec3(at(HalfEdgeMesh::prev(strip)) - from), along);
+    const glm::dvec3 beyond(at(HalfEdgeMesh::prev(strip)) - from);
+    const glm::dvec3 m = glm::cross(beyond, along);
+    // A hollow's silhouette is not seen.
+    if (glm::dot(n, beyond) > 0.0) continue;
     const double length = glm::length(along);
     const double width = glm::length(n) / length;
     const double stripWidth = glm::length(m) / length;

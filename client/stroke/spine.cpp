@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 namespace limn {
@@ -225,6 +226,9 @@ void smoothSpines(float sigmaPx, SpineSet& spines) {
       shares[i] = 0.5F * (last + gap);
       last = gap;
     }
+    // Round a small loop both ways end at the same place.
+    const bool hasTips =
+        !spine.closed || std::accumulate(gaps.begin(), gaps.end(), 0.0F) > 4.0F * reach;
     const std::uint32_t firstMoving = spine.closed ? 0 : 1;
     const std::uint32_t lastMoving = spine.closed ? count : count - 1;
     for (std::uint32_t i = firstMoving; i < lastMoving; ++i) {
@@ -249,8 +253,9 @@ void smoothSpines(float sigmaPx, SpineSet& spines) {
         sum += weightBack * before[back] + weightForth * before[forth];
         weight += weightBack + weightForth;
       }
-      if (weight > 0.0F && !isTip(before[back] - before[i], before[forth] - before[i]))
-        points[i] = sum / weight;
+      if (!(weight > 0.0F)) continue;
+      if (hasTips && isTip(before[back] - before[i], before[forth] - before[i])) continue;
+      points[i] = sum / weight;
     }
   }
 }

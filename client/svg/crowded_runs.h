@@ -8,7 +8,7 @@
 
 namespace limn {
 
-/// What lines lie where. isVisible: a run's own visibility or not, as they are to be drawn.
+/// What lines lie where. hiddenAsVisible: hidden runs count among the visible ones.
 [[nodiscard]] LineDensity
 densityOf(const std::vector<VisibleRun>& runs, const Viewport& viewport, bool hiddenAsVisible);
 

@@ -13,6 +13,7 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "tests" / "integration"))
 import harness  # noqa: E402
+import meshes  # noqa: E402
 
 PANEL = 420
 CAMERA = "orbit:35,25"
@@ -20,7 +21,7 @@ CAMERA = "orbit:35,25"
 
 def read_model_ply(path):
     """Vertices in model coordinates and faces of a --dump-mesh."""
-    grid = harness.read_ply(path)
+    grid = meshes.read_ply(path)
     return [tuple(float(c) for c in p) for p in grid.positions], grid.faces
 
 
@@ -83,7 +84,7 @@ def panel(vertices, faces, camera, eye_of, left):
 def main():
     folder = pathlib.Path(tempfile.mkdtemp(prefix="limn-figure-"))
     store, dump, report = folder / "store", folder / "client.ply", folder / "report.json"
-    shape = harness.write_obj(folder / "shape.obj", harness.torus(256, 128, 0.25))
+    shape = meshes.write_obj(folder / "shape.obj", meshes.torus(256, 128, 0.25))
     harness.run("limn-prepare", shape, "--store", store, "--name", "shape", "--base-faces", "300")
     with harness.Server(store) as server:
         harness.run("limn-client", "render", "--server", server.url, "--model", "shape", "--until", "settled", "--camera",

@@ -13,6 +13,7 @@
 #include "client/stroke/crease_contours.h"
 #include "client/stroke/crease_noise.h"
 #include "client/stroke/open_surfaces.h"
+#include "client/stroke/panel_edges.h"
 #include "client/stroke/resolved_visibility.h"
 #include "client/stroke/visibility.h"
 #include "tests/bench/measure.h"
@@ -110,6 +111,11 @@ class Bench {
         snapshot.mesh.positions(),
         findCreases(snapshot.mesh.mesh(), snapshot.mesh.positions(), kCreaseDegrees),
         cracks.kinds);
+    creases_ = withPanelEdges(
+        snapshot.mesh.mesh(),
+        snapshot.mesh.positions(),
+        std::move(creases_),
+        snapshot.model.sphere.radius / snapshot.model.grid.step);
     return report(file, snapshot, resolver, SilhouetteKind::kEdges) &&
            report(file, snapshot, resolver, SilhouetteKind::kSmooth);
   }

@@ -34,8 +34,8 @@ TriangleMesh band(const std::vector<glm::ivec2>& course) {
     mesh.positions.emplace_back(p.x, p.y, kDepth);
   }
   for (std::uint32_t i = 0; i + 3 < mesh.positions.size(); i += 2) {
-    mesh.triangles.emplace_back(i, i + 2, i + 1);
-    mesh.triangles.emplace_back(i + 1, i + 2, i + 3);
+    mesh.triangles.emplace_back(i, i + 1, i + 2);
+    mesh.triangles.emplace_back(i + 1, i + 3, i + 2);
   }
   return mesh;
 }
@@ -67,6 +67,13 @@ std::vector<int> panelEdges(const TriangleMesh& mesh, double radius = kRadius) {
 
 TEST(PanelEdges, AreWhereARoundingOfNarrowStripsBegins) {
   EXPECT_EQ(panelEdges(roundedCorner(6, 300)), (std::vector{1200, 1500}));
+}
+
+TEST(PanelEdges, AreNotInAHollow) {
+  TriangleMesh mesh = roundedCorner(6, 300);
+  for (glm::uvec3& t : mesh.triangles)
+    std::swap(t.y, t.z);
+  EXPECT_TRUE(panelEdges(mesh).empty());
 }
 
 TEST(PanelEdges, AreNotWithinARounding) {
