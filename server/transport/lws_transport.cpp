@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The traps of libwebsockets 4.1 that shape this folder: without tx_packet_size a send is cut to the
-// receive buffer; an IPv4 address binds every interface while IPv6 is on; lws_write() is for the
-// writeable callback, once each; partial writes are the library's to finish; lws_cancel_service()
-// is the one call for other threads; the descriptor table follows `ulimit -n` unless told; an
-// Upgrade to anything but "websocket" is refused (use after free, NN-2025-0102); a timer costs time
-// in proportion to those that are set. permessage-deflate stays off: packets do not deflate, and it
-// costs 265 KiB a client.
+// The traps of libwebsockets 4.1 that shape this folder: without tx_packet_size a send is cut to
+// the receive buffer; an IPv4 address binds every interface while IPv6 is on; lws_write() is for
+// the writeable callback, once each; partial writes are the library's to finish;
+// lws_cancel_service() is the one call for other threads; the descriptor table follows `ulimit -n`
+// unless told; an Upgrade to anything but "websocket" is refused (use after free, NN-2025-0102); a
+// timer costs time in proportion to those that are set. permessage-deflate stays off: packets do
+// not deflate, and it costs 265 KiB a client.
 #include "server/transport/lws_transport.h"
 
 #include "server/transport/crowd.h"
