@@ -30,13 +30,6 @@ constexpr float kEasyStretch = 0.15F;
 constexpr float kRelaxation = 0.03F;
 constexpr float kMaxSlidePx = 0.5F;
 
-glm::dmat4 clipFromGridOf(const LineScene& scene) {
-  const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
-  glm::dmat4 clipFromGrid = clipFromWorld * scene.grid.step;
-  clipFromGrid[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
-  return clipFromGrid;
-}
-
 float wrapped(float value, float period) {
   const float turns = value / period;
   return std::abs(turns) < 0.5F ? value : value - period * std::round(turns);
@@ -90,8 +83,8 @@ void CoherentParameters::assign(
     const LineScene& scene,
     float periodPx,
     SpineParameters& out) {
-  const glm::dmat4 clipFromGrid = clipFromGridOf(scene);
-  if (clipFromGrid == lastClipFromGrid_ && spines.points == lastPoints_) {
+  const glm::dmat4 toClip = clipFromGrid(scene);
+  if (toClip == lastClipFromGrid_ && spines.points == lastPoints_) {
     if (periodPx == lastPeriodPx_) {
       out = last_;
       return;
@@ -110,7 +103,7 @@ void CoherentParameters::assign(
     }
   }
   leaveMarks(spines, arcs, scene, out);
-  lastClipFromGrid_ = clipFromGrid;
+  lastClipFromGrid_ = toClip;
   lastPeriodPx_ = periodPx;
   lastPoints_ = spines.points;
   last_ = out;
@@ -120,13 +113,13 @@ void CoherentParameters::assign(
 void CoherentParameters::look(const LineScene& scene, float periodPx) {
   // A picture of another size, or wider strokes: the same place in the texture.
   const float scale = periodPx / lastPeriodPx_;
-  const glm::dmat4 clipFromGrid = clipFromGridOf(scene);
+  const glm::dmat4 toClip = clipFromGrid(scene);
   columns_ = scene.viewport.width / kCellPx + 1;
   rows_ = scene.viewport.height / kCellPx + 1;
   inOrder_.clear();
   std::uint32_t before = kNone;
   for (const Mark& mark : marks_) {
-    const glm::dvec4 clip = clipFromGrid * glm::dvec4(mark.point, 1.0);
+    const glm::dvec4 clip = toClip * glm::dvec4(mark.point, 1.0);
     if (mark.isFirst) before = kNone;
     if (!(clip.w > 0.0)) {
       before = kNone;
@@ -327,7 +320,7 @@ void CoherentParameters::leaveMarks(
     const SpineArcs& arcs,
     const LineScene& scene,
     const SpineParameters& parameters) {
-  const glm::dmat4 gridFromClip = glm::inverse(clipFromGridOf(scene));
+  const glm::dmat4 gridFromClip = glm::inverse(clipFromGrid(scene));
   marks_.clear();
   for (std::size_t s = 0; s < spines.spines.size(); ++s) {
     Walker walker(spines, arcs, s);

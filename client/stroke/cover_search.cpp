@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/cover_search.h"
 
-#include "client/stroke/view_distance.h"
-
 #include "shared/mesh/edge_shape.h"
 #include "shared/mesh/fan.h"
 
@@ -34,8 +32,7 @@ bool isBefore(const CoverSearch::Corners& corners, const glm::dvec3& place, cons
 
 CoverSearch::CoverSearch(const LineScene& scene)
     : scene_(scene),
-      eye_(scene.grid.fromModel(scene.camera.eye)),
-      toEyeAtInfinity_(-scene.camera.forward()),
+      sceneFaces_(scene),
       ownSurface_(scene.mesh) {}
 
 bool CoverSearch::isOwn(FaceId face, const Place& place) const {
@@ -81,7 +78,7 @@ void CoverSearch::addRing() {
 
 bool CoverSearch::covers(std::span<const FaceId> start, const Place& place) {
   begin(start);
-  const glm::dvec3 way = towardEye(place.at);
+  const glm::dvec3 way = sceneFaces_.towardEye(place.at);
   bool isFacetBefore = false;
   std::size_t next = 0;
   for (std::size_t ring = 0; ring <= kRings; ++ring) {
@@ -97,12 +94,9 @@ bool CoverSearch::covers(std::span<const FaceId> start, const Place& place) {
 
 // Whether what was tried stands out so far that it covers the place moved outwards, too.
 bool CoverSearch::isCoveredAside(const Place& place) const {
-  const double distance =
-      glm::dot(scene_.grid.toModel(place.at) - scene_.camera.eye, scene_.camera.forward());
-  const double pixelsPerGrid =
-      scene_.grid.step * pixelsPerUnit(scene_.camera, scene_.viewport, distance);
-  const glm::dvec3 aside = place.at + OwnSurface::kReachPx / pixelsPerGrid * place.out;
-  const glm::dvec3 way = towardEye(aside);
+  const double reach = OwnSurface::kReachPx / pixelsPerGrid(scene_, place.at);
+  const glm::dvec3 aside = place.at + reach * place.out;
+  const glm::dvec3 way = sceneFaces_.towardEye(aside);
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     if (isBefore(corners_[i], aside, way) && !isOwn(faces_[i], place)) return true;
   }
@@ -112,33 +106,27 @@ bool CoverSearch::isCoveredAside(const Place& place) const {
 CoverSearch::Place
 CoverSearch::outside(FaceId face, const glm::dvec3& along, const glm::dvec3& place) const {
   Place moved{place, face, kNone, Own::kAround};
-  glm::dvec3 out = glm::cross(along, towardEye(place));
-  const double length = glm::length(out);
-  if (!(length > 0.0)) return moved;
-  const glm::dvec3 a = corner(3 * face) - place;
-  const glm::dvec3 b = corner(3 * face + 1) - place;
-  const glm::dvec3 c = corner(3 * face + 2) - place;
-  out *= (glm::dot(out, glm::cross(b - a, c - a)) < 0.0 ? -1.0 : 1.0) / length;
-  moved.at += std::max({0.0, glm::dot(a, out), glm::dot(b, out), glm::dot(c, out)}) * out;
-  moved.out = out;
+  moved.out = sceneFaces_.outward(face, along, place);
+  moved.at += sceneFaces_.standOut(face, place, moved.out) * moved.out;
   return moved;
 }
 
 // The share of apex + s · along, s from 0 to 1, that the face of a corner at the apex covers: lines
 // from there lie before or behind the face's plane all along, and leave the face once.
 double CoverSearch::coveredBy(HalfEdgeId h, const glm::dvec3& apex, const glm::dvec3& along) const {
-  if (!coversAtStart(scene_.mesh, scene_.positions, h, along, towardEye(apex))) return 0.0;
-  const glm::dvec3 b = corner(HalfEdgeMesh::next(h)) - apex;
-  const glm::dvec3 c = corner(HalfEdgeMesh::prev(h)) - apex;
+  if (!coversAtStart(scene_.mesh, scene_.positions, h, along, sceneFaces_.towardEye(apex)))
+    return 0.0;
+  const glm::dvec3 b = sceneFaces_.corner(HalfEdgeMesh::next(h)) - apex;
+  const glm::dvec3 c = sceneFaces_.corner(HalfEdgeMesh::prev(h)) - apex;
   // Where the plane through the eye and the edge across meets the line.
-  const glm::dvec3 across = glm::cross(c - b, towardEye(apex + b));
+  const glm::dvec3 across = glm::cross(c - b, sceneFaces_.towardEye(apex + b));
   const double share = glm::dot(across, b) / glm::dot(across, along);
   return share > 0.0 && share < 1.0 ? share : 1.0;
 }
 
 double CoverSearch::coveredShare(HalfEdgeId out, const glm::dvec3& to, FaceId own, FaceId ownOther)
     const {
-  const glm::dvec3 apex = corner(out);
+  const glm::dvec3 apex = sceneFaces_.corner(out);
   double share = 0.0;
   forFan(scene_.mesh, out, [&](HalfEdgeId h) {
     const FaceId face = HalfEdgeMesh::face(h);

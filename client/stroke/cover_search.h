@@ -3,6 +3,7 @@
 
 #include "client/stroke/line_scene.h"
 #include "client/stroke/own_surface.h"
+#include "client/stroke/scene_faces.h"
 
 #include <glm/glm.hpp>
 
@@ -57,14 +58,6 @@ class CoverSearch {
   static constexpr std::size_t kRings = 2;
 
  private:
-  [[nodiscard]] glm::dvec3 corner(HalfEdgeId h) const {
-    return glm::dvec3(scene_.positions[scene_.mesh.origin(h)]);
-  }
-
-  [[nodiscard]] glm::dvec3 towardEye(const glm::dvec3& p) const {
-    return scene_.camera.orthographic ? toEyeAtInfinity_ : eye_ - p;
-  }
-
   [[nodiscard]] double coveredBy(HalfEdgeId corner, const glm::dvec3& apex, const glm::dvec3& along)
       const;
 
@@ -74,8 +67,7 @@ class CoverSearch {
   [[nodiscard]] bool isCoveredAside(const Place& place) const;
 
   LineScene scene_;
-  glm::dvec3 eye_;  // grid units
-  glm::dvec3 toEyeAtInfinity_;
+  SceneFaces sceneFaces_;
   OwnSurface ownSurface_;
   // Of the last start: the faces so far, ring by ring, and where their corners are.
   std::vector<FaceId> start_;

@@ -92,8 +92,8 @@ bool CoveredParts::isCovered(
   };
   for (std::uint32_t i = segment.nearBegin; i < segment.nearEnd; ++i) {
     const std::uint32_t edge = view.near[i];
-    if (!view.crossings.isBefore(edge, inPicture, kCoverReachPx)) continue;
-    const SpanSegment& beside = view.segments[view.edgeSegment[edge]];
+    if (!view.segments.crossings.isBefore(edge, inPicture, kCoverReachPx)) continue;
+    const SpanSegment& beside = view.segments.all[view.segments.edgeSegment[edge]];
     add(beside.face);
     add(beside.other);
   }

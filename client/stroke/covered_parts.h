@@ -2,10 +2,9 @@
 #pragma once
 
 #include "client/stroke/cover_search.h"
-#include "client/stroke/line_crossings.h"
 #include "client/stroke/line_span_set.h"
 #include "client/stroke/polyline.h"
-#include "client/stroke/span_segment.h"
+#include "client/stroke/span_segments.h"
 
 #include <glm/glm.hpp>
 
@@ -34,10 +33,8 @@ class CoveredParts {
   /// What is looked at, for the length of a line.
   struct View {
     const PolylineSet& lines;
-    const LineCrossings& crossings;
-    std::span<const SpanSegment> segments;       // of every line
-    std::span<const std::uint32_t> edgeSegment;  // by edge of crossings: into segments
-    std::span<const std::uint32_t> near;         // edges, SpanSegment::nearBegin … nearEnd
+    const SpanSegments& segments;         // of every line
+    std::span<const std::uint32_t> near;  // edges, SpanSegment::nearBegin … nearEnd
   };
 
   /// Another line.

@@ -156,19 +156,6 @@ void LineCrossings::crossInPicture(
       out);
 }
 
-void LineCrossings::crossInPicture(
-    const glm::dvec3& p,
-    const glm::dvec3& q,
-    std::vector<Crossing>& out,
-    const Beside& beside) const {
-  crossCells(
-      {p, q, boxAround(p, q)},
-      beside.reachPx,
-      [&](auto visit) { forCells(glm::dvec2(p), glm::dvec2(q), visit); },
-      [&](std::uint32_t edge) { beside.add(edge); },
-      out);
-}
-
 void LineCrossings::crossAlong(std::uint32_t edge, std::vector<Crossing>& out, const Beside& beside)
     const {
   const Edge& along = edges_[edge];

@@ -69,14 +69,8 @@ class LineCrossings {
     }
   };
 
-  /// The same, and what there is beside.
-  void crossInPicture(
-      const glm::dvec3& p,
-      const glm::dvec3& q,
-      std::vector<Crossing>& out,
-      const Beside& beside) const;
-
-  /// The same along an edge that was added, by its number: what build() found is not found again.
+  /// The same along an edge that was added, by its number (what build() found is not found again),
+  /// and what there is beside it.
   void crossAlong(std::uint32_t edge, std::vector<Crossing>& out, const Beside& beside) const;
 
   /// Whether an edge comes within reachPx of a place and is nearer to the eye where it does.

@@ -21,4 +21,10 @@ struct LineScene {
   Viewport viewport;
 };
 
+/// clip space ← grid units.
+[[nodiscard]] glm::dmat4 clipFromGrid(const LineScene& scene);
+
+/// Pixels that a grid unit across the view takes in the picture at a place (grid units).
+[[nodiscard]] double pixelsPerGrid(const LineScene& scene, const glm::dvec3& place);
+
 }  // namespace limn

@@ -7,9 +7,7 @@
 #include "client/stroke/line_span_set.h"
 #include "client/stroke/polyline.h"
 #include "client/stroke/span_prober.h"
-#include "client/stroke/span_segment.h"
-
-#include <glm/glm.hpp>
+#include "client/stroke/span_segments.h"
 
 #include <cstdint>
 #include <span>
@@ -32,19 +30,12 @@ class LineSpanFinder {
  private:
   friend class SpanCutter;
 
-  LineCrossings crossings_;
-  std::vector<SpanSegment> segments_;
-  std::vector<std::uint32_t> lineBegin_;  // by line, and one past the last: into segments_
+  SpanSegments segments_;
   SpanProber::Memory probes_;
   std::vector<LineCrossings::Crossing> found_;
-  std::vector<std::uint32_t> edgeSegment_;  // by edge of crossings_: into segments_
-  std::vector<std::uint32_t> edgeRun_;      // by edge: the first of those of a line without a gap
-  std::vector<std::uint32_t> near_;  // edges of crossings_ beside segments of the line at hand
+  std::vector<std::uint32_t> near_;  // edges beside segments of the line at hand
   CoveredParts covered_;
 };
-
-/// clip space ← grid units.
-[[nodiscard]] glm::dmat4 clipFromGrid(const LineScene& scene);
 
 /// LineSpanFinder once, for every line.
 [[nodiscard]] LineSpans findSpans(const PolylineSet& lines, const LineScene& scene);

@@ -13,19 +13,16 @@ constexpr int kMostSteps = 24;
 
 }  // namespace
 
-OutlineWalk::OutlineWalk(const LineScene& scene)
-    : scene_(scene),
-      eye_(scene.grid.fromModel(scene.camera.eye)),
-      toEyeAtInfinity_(-scene.camera.forward()) {}
+OutlineWalk::OutlineWalk(const LineScene& scene) : mesh_(scene.mesh), faces_(scene) {}
 
 OutlineWalk::Answer
 OutlineWalk::covers(FaceId face, const glm::dvec3& place, FaceId own, FaceId ownOther) const {
-  const glm::dvec3 way = scene_.camera.orthographic ? toEyeAtInfinity_ : eye_ - place;
+  const glm::dvec3 way = faces_.towardEye(place);
   double turn = 0.0;  // which way round the eye sees the faces: of each the same
   for (int step = 0; step < kMostSteps; ++step) {
-    const glm::dvec3 a = corner(3 * face) - place;
-    const glm::dvec3 b = corner(3 * face + 1) - place;
-    const glm::dvec3 c = corner(3 * face + 2) - place;
+    const glm::dvec3 a = faces_.corner(3 * face) - place;
+    const glm::dvec3 b = faces_.corner(3 * face + 1) - place;
+    const glm::dvec3 c = faces_.corner(3 * face + 2) - place;
     const glm::dvec3 n = glm::cross(b - a, c - a);
     const double facing = glm::dot(n, way);
     if (facing == 0.0 || facing * turn < 0.0) return Answer::kUnknown;
@@ -40,7 +37,7 @@ OutlineWalk::covers(FaceId face, const glm::dvec3& place, FaceId own, FaceId own
       const double ahead = glm::dot(n, a) / facing * glm::length(way);
       return ahead > kOnSurface ? Answer::kCovers : Answer::kLiesBehind;
     }
-    const HalfEdgeId twin = scene_.mesh.twin(out);
+    const HalfEdgeId twin = mesh_.twin(out);
     if (twin == kNone) return Answer::kUnknown;
     face = HalfEdgeMesh::face(twin);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "client/stroke/line_scene.h"
+#include "client/stroke/scene_faces.h"
 
 #include <glm/glm.hpp>
 
@@ -28,13 +29,8 @@ class OutlineWalk {
       const;
 
  private:
-  [[nodiscard]] glm::dvec3 corner(HalfEdgeId h) const {
-    return glm::dvec3(scene_.positions[scene_.mesh.origin(h)]);
-  }
-
-  const LineScene& scene_;
-  glm::dvec3 eye_;  // grid units
-  glm::dvec3 toEyeAtInfinity_;
+  const HalfEdgeMesh& mesh_;
+  SceneFaces faces_;
 };
 
 }  // namespace limn

@@ -55,6 +55,9 @@ struct PolylineSet {
 
     /// Segments: end − begin for a closed line, one fewer for an open one.
     [[nodiscard]] std::uint32_t segmentCount() const { return end - begin - (closed ? 0 : 1); }
+
+    /// Its surface turns away from the eye there.
+    [[nodiscard]] bool isContour() const { return kind == LineKind::kSilhouette && !onSurface; }
   };
 
   std::vector<glm::vec3> points;
@@ -75,8 +78,7 @@ struct PolylineSet {
   return std::any_of(lines.lines.begin(), lines.lines.end(), [&](const PolylineSet::Line& line) {
     const auto first = lines.halfEdges.begin() + line.begin;
     const auto last = first + line.segmentCount();
-    return line.kind == LineKind::kSilhouette && !line.onSurface &&
-           std::find(first, last, kNone) != last;
+    return line.isContour() && std::find(first, last, kNone) != last;
   });
 }
 

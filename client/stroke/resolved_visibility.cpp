@@ -12,8 +12,8 @@
 #include "client/stroke/line_crossings.h"
 #include "client/stroke/line_spans.h"
 #include "client/stroke/own_surface.h"
+#include "client/stroke/scene_faces.h"
 #include "client/stroke/spine_samples.h"
-#include "client/stroke/view_distance.h"
 
 #include "shared/mesh/edge_shape.h"
 #include "shared/mesh/fan.h"
@@ -43,22 +43,14 @@ class ViewResolver {
       std::span<const std::uint8_t> isNearest)
       : lines_(lines),
         isNearest_(isNearest),
+        scene_(scene),
         mesh_(scene.mesh),
-        positions_(scene.positions),
+        faces_(scene),
         bvh_(bvh),
         isClosed_(isClosed),
-        orthographic_(scene.camera.orthographic),
-        eye_(scene.grid.fromModel(scene.camera.eye)),
-        forward_(scene.camera.forward()),
-        grid_(scene.grid),
-        camera_(scene.camera),
-        viewport_(scene.viewport),
+        clipFromGrid_(clipFromGrid(scene)),
         crossings_(scene.viewport),
-        ownSurface_(scene.mesh) {
-    const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
-    clipFromGrid_ = clipFromWorld * scene.grid.step;
-    clipFromGrid_[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
-  }
+        ownSurface_(scene.mesh) {}
 
   ResolvedLines resolve() {
     findFronts();
@@ -79,19 +71,6 @@ class ViewResolver {
   }
 
  private:
-  [[nodiscard]] glm::dvec3 corner(HalfEdgeId h) const {
-    return glm::dvec3(positions_[mesh_.origin(h)]);
-  }
-
-  [[nodiscard]] glm::dvec3 normal(FaceId face) const {  // twice the area long; exact
-    const glm::dvec3 a = corner(3 * face);
-    return glm::cross(corner(3 * face + 1) - a, corner(3 * face + 2) - a);
-  }
-
-  [[nodiscard]] glm::dvec3 towardEye(const glm::dvec3& p) const {
-    return orthographic_ ? -forward_ : eye_ - p;
-  }
-
   [[nodiscard]] glm::dvec4 clip(const glm::dvec3& p) const {
     return clipFromGrid_ * glm::dvec4(p, 1.0);
   }
@@ -99,7 +78,7 @@ class ViewResolver {
   void findFronts() {
     isFront_.resize(mesh_.faceCount());
     for (FaceId f = 0; f < isFront_.size(); ++f)
-      isFront_[f] = glm::dot(normal(f), towardEye(corner(3 * f))) > 0.0 ? 1 : 0;
+      isFront_[f] = faces_.isFront(f) ? 1 : 0;
   }
 
   // Where the mesh's outline lies: borders and contours. On a closed mesh concave contours lie
@@ -110,12 +89,12 @@ class ViewResolver {
       if (twin != kNone) {
         if (isFront_[HalfEdgeMesh::face(h)] == 0 || isFront_[HalfEdgeMesh::face(twin)] != 0)
           continue;
-        if (isClosed_ && isConcave(mesh_, positions_, h)) continue;
+        if (isClosed_ && isConcave(mesh_, scene_.positions, h)) continue;
       }
       const FaceId face = HalfEdgeMesh::face(h);
       crossings_.addEdge(
-          clip(corner(h)),
-          clip(corner(HalfEdgeMesh::next(h))),
+          clip(faces_.corner(h)),
+          clip(faces_.corner(HalfEdgeMesh::next(h))),
           isFront_[face] != 0 ? LineCrossings::Surface::kLeft : LineCrossings::Surface::kRight,
           face);
     }
@@ -130,10 +109,10 @@ class ViewResolver {
     const glm::dvec3 a(lines_.points[point]);
     const glm::dvec3 b(lines_.points[next]);
     const bool isSmooth = lines_.halfEdges[point] == kNone;
-    const bool isHidden =
-        !isSmooth        ? isHiddenEdge(line, lines_.halfEdges[point])
-        : line.onSurface ? isClosed_ && isFront_[lines_.faces[point]] == 0
-                         : line.back != PolylineSet::Back::kSeen && isHiddenSmooth(point, a, b);
+    const bool isHidden = !isSmooth        ? isHiddenEdge(line, lines_.halfEdges[point])
+                          : line.onSurface ? isClosed_ && isFront_[lines_.faces[point]] == 0
+                                           : line.back != PolylineSet::Back::kSeen &&
+                                                 faces_.hidesSmooth(lines_.faces[point], a, b);
     if (isHidden) {
       out.pieces.push_back({1.0F, false});
       return;
@@ -201,19 +180,15 @@ class ViewResolver {
       const glm::dvec3& middle,
       ResolvedLines& out) {
     const FaceId face = lines_.faces[point];
-    const glm::dvec3 place = outside(face, along, middle);
+    const glm::dvec3 aside = faces_.outward(face, along, middle);
+    const glm::dvec3 place = middle + faces_.standOut(face, middle, aside) * aside;
     if (!isBlocked(place, kSkip, own_, out)) return false;
     const bool isNearest = isNearest_[point] != 0;
     if (!isNearest && isBlocked(place, kSkip, ownSurface_.around(face), out)) return true;
     const double reachPx = isNearest ? kFartherPx : OwnSurface::kReachPx;
-    const glm::dvec3 farther = reachPx / pixelsPerGrid(place) * outward(face, along, place);
+    const glm::dvec3 farther =
+        reachPx / pixelsPerGrid(scene_, place) * faces_.outward(face, along, place);
     return isBlocked(place + farther, kSkip, own_, out);
-  }
-
-  // Of a length across the view.
-  [[nodiscard]] double pixelsPerGrid(const glm::dvec3& place) const {
-    const glm::dvec3 p = grid_.toModel(place);
-    return grid_.step * pixelsPerUnit(camera_, viewport_, glm::dot(p - camera_.eye, forward_));
   }
 
   [[nodiscard]] bool
@@ -221,9 +196,9 @@ class ViewResolver {
     ++out.rays;
     Ray ray;
     ray.origin = p;
-    ray.direction = towardEye(p);
+    ray.direction = faces_.towardEye(p);
     ray.begin = skip / glm::length(ray.direction);
-    if (!orthographic_) ray.end = 1.0;
+    if (!scene_.camera.orthographic) ray.end = 1.0;
     const std::uint32_t blocker = bvh_.findBlocker(ray, own, lastBlocker_);
     if (blocker != kNone) lastBlocker_ = blocker;
     return blocker != kNone;
@@ -235,18 +210,9 @@ class ViewResolver {
     if (twin == kNone || line.back != PolylineSet::Back::kNeverSeen) return false;
     const bool here = isFront_[HalfEdgeMesh::face(h)] != 0;
     const bool there = isFront_[HalfEdgeMesh::face(twin)] != 0;
-    if (here != there || (line.kind == LineKind::kSilhouette && !line.onSurface))
-      return isConcave(mesh_, positions_, h);
+    if (here != there || line.isContour()) return isConcave(mesh_, scene_.positions, h);
     // A closed surface that turns away on both sides lies behind its own front.
     return isClosed_ && !here;
-  }
-
-  // Lines run with the front side to their left: n × along points there. Where the front lies
-  // farther away than the line, the surface bends towards the eye and covers it.
-  [[nodiscard]] bool isHiddenSmooth(std::uint32_t point, const glm::dvec3& a, const glm::dvec3& b)
-      const {
-    const glm::dvec3 left = glm::cross(normal(lines_.faces[point]), b - a);
-    return glm::dot(left, towardEye(0.5 * (a + b))) < 0.0;
   }
 
   // Every face that shares a corner with `face`.
@@ -256,39 +222,13 @@ class ViewResolver {
       forFan(mesh_, first, [&](HalfEdgeId h) { own_.push_back(HalfEdgeMesh::face(h)); });
   }
 
-  // Across the view and the line, away from the surface; the zero vector where the line runs along
-  // the view.
-  [[nodiscard]] glm::dvec3 outward(FaceId face, const glm::dvec3& along, const glm::dvec3& p)
-      const {
-    const glm::dvec3 out = glm::cross(along, towardEye(p));
-    const double length = glm::length(out);
-    if (!(length > 0.0)) return {};
-    return (glm::dot(out, normal(face)) < 0.0 ? -1.0 : 1.0) / length * out;
-  }
-
-  // A point on a smooth silhouette moved to where the mesh's own outline is: outwards, as far as
-  // the corners of its face stand out.
-  [[nodiscard]] glm::dvec3 outside(FaceId face, const glm::dvec3& along, const glm::dvec3& p)
-      const {
-    const glm::dvec3 out = outward(face, along, p);
-    double height = 0.0;
-    for (HalfEdgeId h = 3 * face; h < 3 * face + 3; ++h)
-      height = std::max(height, glm::dot(corner(h) - p, out));
-    return p + height * out;
-  }
-
   const PolylineSet& lines_;
   std::span<const std::uint8_t> isNearest_;  // LineSpans::isNearest
+  const LineScene& scene_;
   const HalfEdgeMesh& mesh_;
-  std::span<const glm::ivec3> positions_;
+  SceneFaces faces_;
   const TriangleBvh& bvh_;
   bool isClosed_;
-  bool orthographic_;
-  glm::dvec3 eye_;  // grid units
-  glm::dvec3 forward_;
-  const Grid& grid_;
-  const Camera& camera_;
-  Viewport viewport_;
   glm::dmat4 clipFromGrid_;
   LineCrossings crossings_;
   std::vector<std::uint8_t> isFront_;  // by face
@@ -319,10 +259,7 @@ ResolvedLines VisibilityResolver::resolve(
 
 std::vector<std::uint8_t>
 segmentVisibility(const PolylineSet& lines, const ResolvedLines& resolved, const LineScene& scene) {
-  glm::dmat4 clipFromGrid = scene.camera.clipFromWorld(scene.viewport.aspect());
-  const glm::dvec4 origin = clipFromGrid * glm::dvec4(scene.grid.origin, 1.0);
-  clipFromGrid *= scene.grid.step;
-  clipFromGrid[3] = origin;
+  const glm::dmat4 toClip = clipFromGrid(scene);
   std::vector<std::uint8_t> visible(lines.points.size(), 0);
   for (const PolylineSet::Line& line : lines.lines) {
     for (std::uint32_t k = 0; k < line.segmentCount(); ++k) {
@@ -330,7 +267,7 @@ segmentVisibility(const PolylineSet& lines, const ResolvedLines& resolved, const
       const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
       const glm::dvec3 middle =
           0.5 * (glm::dvec3(lines.points[point]) + glm::dvec3(lines.points[next]));
-      const glm::dvec4 clip = clipFromGrid * glm::dvec4(middle, 1.0);
+      const glm::dvec4 clip = toClip * glm::dvec4(middle, 1.0);
       const bool isInside =
           clip.z >= -clip.w && std::abs(clip.x) <= clip.w && std::abs(clip.y) <= clip.w;
       if (!isInside) continue;

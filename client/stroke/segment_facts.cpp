@@ -36,13 +36,10 @@ bool isSliver(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
 
 SegmentJudge::SegmentJudge(const PolylineSet& lines, const LineScene& scene)
     : lines_(lines),
-      scene_(scene) {
-  const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
-  clipFromGrid_ = clipFromWorld * scene.grid.step;
-  clipFromGrid_[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
-  clipRows_ = glm::transpose(clipFromGrid_);
-  eye_ = scene.grid.fromModel(scene.camera.eye);
-  forward_ = scene.camera.forward();
+      scene_(scene),
+      faces_(scene),
+      clipFromGrid_(clipFromGrid(scene)),
+      clipRows_(glm::transpose(clipFromGrid_)) {
   // Two grid steps in depth at the target, and what 32-bit rasterisation may round.
   const double nearPlane = scene.camera.nearPlane;
   const double farPlane = scene.camera.farPlane;
@@ -54,19 +51,6 @@ SegmentJudge::SegmentJudge(const PolylineSet& lines, const LineScene& scene)
   floor_ = 1e-6 + 2.0 * scene.grid.step * depthPerUnit;
 }
 
-glm::dvec3 SegmentJudge::normal(FaceId face) const {
-  const glm::dvec3 a = corner(3 * face);
-  return glm::cross(corner(3 * face + 1) - a, corner(3 * face + 2) - a);
-}
-
-glm::dvec3 SegmentJudge::towardEye(const glm::dvec3& p) const {
-  return scene_.camera.orthographic ? -forward_ : eye_ - p;
-}
-
-bool SegmentJudge::isFront(FaceId face) const {
-  return glm::dot(normal(face), towardEye(corner(3 * face))) > 0.0;
-}
-
 glm::dvec4 SegmentJudge::clipOf(const glm::dvec3& p) const {
   return clipFromGrid_[0] * p.x + clipFromGrid_[1] * p.y + clipFromGrid_[2] * p.z +
          clipFromGrid_[3];
@@ -75,7 +59,7 @@ glm::dvec4 SegmentJudge::clipOf(const glm::dvec3& p) const {
 float SegmentJudge::slopeBias(FaceId face, float reachPx) const {
   std::array<glm::dvec3, 3> corners{};
   for (HalfEdgeId k = 0; k < 3; ++k) {
-    const glm::dvec4 clip = clipOf(corner(3 * face + k));
+    const glm::dvec4 clip = clipOf(faces_.corner(3 * face + k));
     if (!(clip.w > 0.0)) return static_cast<float>(floor_);
     corners[k] = pixelFromClip(clip, scene_.viewport);
   }
@@ -104,9 +88,9 @@ float SegmentJudge::biasAround(FaceId face) const {
 
 SegmentFacts SegmentJudge::judgeSmooth(FaceId face, const LineEnd& begin, const LineEnd& end)
     const {
-  const glm::dvec3 a = corner(3 * face);
-  const glm::dvec3 b = corner(3 * face + 1);
-  const glm::dvec3 c = corner(3 * face + 2);
+  const glm::dvec3 a = faces_.corner(3 * face);
+  const glm::dvec3 b = faces_.corner(3 * face + 1);
+  const glm::dvec3 c = faces_.corner(3 * face + 2);
   const glm::dvec3 from(lines_.points[begin.point]);
   const glm::dvec3 along = glm::dvec3(lines_.points[end.point]) - from;
   SegmentFacts facts;
@@ -156,7 +140,7 @@ SegmentFacts SegmentJudge::judge(
     std::uint32_t point,
     const LineEnd& from,
     const LineEnd& to) const {
-  const bool isSilhouette = line.kind == LineKind::kSilhouette && !line.onSurface;
+  const bool isSilhouette = line.isContour();
   SegmentFacts facts;
   const HalfEdgeId h = lines_.halfEdges[point];
   const FaceId face = h != kNone ? HalfEdgeMesh::face(h) : lines_.faces[point];
@@ -178,8 +162,8 @@ SegmentFacts SegmentJudge::judge(
     return facts;
   }
   const FaceId other = HalfEdgeMesh::face(twin);
-  const bool isFrontHere = isFront(face);
-  const bool isFrontThere = isFront(other);
+  const bool isFrontHere = faces_.isFront(face);
+  const bool isFrontThere = faces_.isFront(other);
   if (isFrontHere != isFrontThere || isSilhouette) {
     // A half-edge has its own face to its left; the surface ends on the other side of the front.
     facts.openSide = isFrontHere ? 1.0F : -1.0F;

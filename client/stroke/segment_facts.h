@@ -3,6 +3,7 @@
 
 #include "client/stroke/line_scene.h"
 #include "client/stroke/polyline.h"
+#include "client/stroke/scene_faces.h"
 
 #include <glm/glm.hpp>
 
@@ -43,13 +44,6 @@ class SegmentJudge {
       const LineEnd& to) const;
 
  private:
-  [[nodiscard]] glm::dvec3 corner(HalfEdgeId h) const {
-    return glm::dvec3(scene_.positions[scene_.mesh.origin(h)]);
-  }
-
-  [[nodiscard]] glm::dvec3 normal(FaceId face) const;  // twice the area long
-  [[nodiscard]] glm::dvec3 towardEye(const glm::dvec3& p) const;
-  [[nodiscard]] bool isFront(FaceId face) const;
   [[nodiscard]] SegmentFacts judgeSmooth(FaceId face, const LineEnd& from, const LineEnd& to) const;
   /// Depth that face may rise within reachPx of a line on it, at most its own depth range.
   [[nodiscard]] float slopeBias(FaceId face, float reachPx) const;
@@ -59,11 +53,10 @@ class SegmentJudge {
 
   const PolylineSet& lines_;
   LineScene scene_;
+  SceneFaces faces_;
   glm::dmat4 clipFromGrid_;
   glm::dmat4 clipRows_;  // the same, row by row
-  glm::dvec3 eye_;       // grid units
-  glm::dvec3 forward_;
-  double floor_;  // window depth
+  double floor_;         // window depth
 };
 
 }  // namespace limn

@@ -26,8 +26,8 @@ SpanProber::SpanProber(
       crossings_(crossings),
       kind_(kind),
       memory_(memory),
-      walk_(scene),
-      eye_(scene.grid.fromModel(scene.camera.eye)) {}
+      faces_(scene),
+      walk_(scene) {}
 
 void SpanProber::probe(
     std::span<const SpanSegment> segments,
@@ -142,10 +142,8 @@ glm::dvec3 SpanProber::placeAt(const SpanSegment& segment, double t) const {
 
 // Whether a place lies behind a face's plane: not where the way has passed through.
 bool SpanProber::isBehind(const glm::dvec3& place, FaceId face) const {
-  const glm::dvec3 a = corner(3 * face);
-  const glm::dvec3 n = glm::cross(corner(3 * face + 1) - a, corner(3 * face + 2) - a);
-  const glm::dvec3 towardEye = scene_.camera.orthographic ? -scene_.camera.forward() : eye_ - a;
-  return (glm::dot(n, place - a) < 0.0) == (glm::dot(n, towardEye) > 0.0);
+  const glm::dvec3 fromPlane = place - faces_.corner(3 * face);
+  return (glm::dot(faces_.normal(face), fromPlane) < 0.0) == faces_.isFront(face);
 }
 
 }  // namespace limn

@@ -6,7 +6,8 @@
 #include "client/stroke/line_span_set.h"
 #include "client/stroke/outline_walk.h"
 #include "client/stroke/polyline.h"
-#include "client/stroke/span_segment.h"
+#include "client/stroke/scene_faces.h"
+#include "client/stroke/span_segments.h"
 
 #include <glm/glm.hpp>
 
@@ -50,10 +51,6 @@ class SpanProber {
   void probe(std::span<const SpanSegment> segments, std::size_t firstSpan, LineSpans& spans);
 
  private:
-  [[nodiscard]] glm::dvec3 corner(HalfEdgeId h) const {
-    return glm::dvec3(scene_.positions[scene_.mesh.origin(h)]);
-  }
-
   template <class Visit>
   void forOpenPieces(
       std::span<const SpanSegment> segments,
@@ -71,8 +68,8 @@ class SpanProber {
   const LineCrossings& crossings_;
   Lines kind_;
   Memory& memory_;
+  SceneFaces faces_;
   OutlineWalk walk_;
-  glm::dvec3 eye_;  // grid units
 };
 
 }  // namespace limn

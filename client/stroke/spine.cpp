@@ -162,9 +162,7 @@ void SpineProjector::project(
     const LineScene& scene,
     float mergePx,
     SpineSet& out) {
-  const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
-  glm::dmat4 clipFromGrid = clipFromWorld * scene.grid.step;
-  clipFromGrid[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
+  const glm::dmat4 toClip = clipFromGrid(scene);
 
   out.points.clear();
   out.depth.clear();
@@ -179,8 +177,7 @@ void SpineProjector::project(
     bool isWhole = true;
     for (std::uint32_t i = 0; i < count; ++i) {
       const glm::dvec3 p(lines.points[line.begin + i]);
-      clip_[i] =
-          clipFromGrid[0] * p.x + clipFromGrid[1] * p.y + clipFromGrid[2] * p.z + clipFromGrid[3];
+      clip_[i] = toClip[0] * p.x + toClip[1] * p.y + toClip[2] * p.z + toClip[3];
       isWhole = isWhole && isInPicture(clip_[i]);
     }
     if (isWhole) {

@@ -31,11 +31,8 @@ class SpineCutter {
         arcs_(arcs),
         lines_(lines),
         resolved_(resolved),
-        viewport_(scene.viewport) {
-    const glm::dmat4 clipFromWorld = scene.camera.clipFromWorld(scene.viewport.aspect());
-    clipFromGrid_ = clipFromWorld * scene.grid.step;
-    clipFromGrid_[3] = clipFromWorld * glm::dvec4(scene.grid.origin, 1.0);
-  }
+        viewport_(scene.viewport),
+        clipFromGrid_(clipFromGrid(scene)) {}
 
   void cut(std::uint32_t index, std::vector<VisibleRun>& out) {
     const SpineSet::Spine& spine = spines_.spines[index];

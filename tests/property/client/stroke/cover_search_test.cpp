@@ -207,7 +207,7 @@ TEST(LineCrossings, WhatIsBesideALineIsFoundOnceItComesNearAndIsBefore) {
   std::vector<std::uint32_t> beside;
   const glm::dvec3 from(100.0, 100.0, 0.5);
   const glm::dvec3 to(100.0, 120.0, 0.5);
-  crossings.crossInPicture(from, to, found, {1.0F, 0, 1, beside});
+  crossings.crossAlong(0, found, {1.0F, 0, 1, beside});
   EXPECT_TRUE(found.empty());
   EXPECT_EQ(std::set<std::uint32_t>(beside.begin(), beside.end()), std::set<std::uint32_t>{1});
   const glm::dvec3 middle = 0.5 * (from + to);
