@@ -38,7 +38,9 @@ void addEdges(const Viewport& viewport, SpanSegments& segments) {
     SpanSegment& segment = segments.all[i];
     if (!segment.isInPicture || segment.openSide == 0) continue;
     segment.edge = static_cast<std::uint32_t>(segments.edgeSegment.size());
-    const bool goesOn = segment.edge > 0 && segments.edgeSegment.back() + 1 == i;
+    // An open line's last point is not the next one's first; a loop goes back to its own.
+    const bool goesOn = segment.edge > 0 && segments.edgeSegment.back() + 1 == i &&
+                        segments.all[i - 1].next == segment.begin;
     segments.edgeRun.push_back(goesOn ? segments.edgeRun.back() : segment.edge);
     segments.edgeSegment.push_back(i);
     segments.crossings.addEdgeInPicture(

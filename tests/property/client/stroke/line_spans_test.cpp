@@ -4,6 +4,7 @@
 
 #include "client/stroke/chain.h"
 #include "client/stroke/resolved_visibility.h"
+#include "client/stroke/span_segments.h"
 #include "client/stroke/spine_samples.h"
 
 #include "shared/mesh/primitives.h"
@@ -240,6 +241,30 @@ TEST(LineSpans, MemoryOfTheLastFrameChangesNothing) {
       EXPECT_EQ(again.pieces[i].span, fresh.pieces[i].span);
     }
   }
+}
+
+// What counts as a segment's own line beside it.
+TEST(SpanSegments, ARunOfEdgesIsOfOneLineAndHasNoGap) {
+  const Scene scene(primitives::torusKnot(2, 3, 160, 20), 33.0, 21.0, SilhouetteKind::kSmooth);
+  PolylineSet shortLines;
+  for (PolylineSet::Line line : scene.lines.lines) {
+    const std::uint32_t end = line.end;
+    for (line.closed = false; line.begin + 4 <= end; line.begin += 4) {
+      line.end = line.begin + 4;
+      appendLine(scene.lines, line, shortLines);
+    }
+  }
+  std::vector<SegmentFacts> facts(shortLines.points.size());
+  SpanSegments segments;
+  segments.gather(shortLines, {}, scene.view(), facts);
+  std::size_t joined = 0;
+  for (std::size_t edge = 1; edge < segments.edgeRun.size(); ++edge) {
+    if (segments.edgeRun[edge] != segments.edgeRun[edge - 1]) continue;
+    const SpanSegment& before = segments.all[segments.edgeSegment[edge - 1]];
+    EXPECT_EQ(before.next, segments.all[segments.edgeSegment[edge]].begin);
+    ++joined;
+  }
+  EXPECT_GT(joined, 50U);
 }
 
 }  // namespace
