@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/apps/line_finder.h"
 
-#include "client/stroke/crease_noise.h"
-#include "client/stroke/panel_edges.h"
+#include "client/stroke/chain/crease_noise.h"
+#include "client/stroke/chain/panel_edges.h"
 
 #include "shared/mesh/cracks.h"
 

@@ -7,7 +7,7 @@
 #include "client/apps/svg_file.h"
 #include "client/render/image_io.h"
 #include "client/render/image_seeds.h"
-#include "client/stroke/resolved_visibility.h"
+#include "client/stroke/visibility/resolved_visibility.h"
 
 #include <algorithm>
 #include <chrono>

@@ -21,7 +21,7 @@
 #include "client/render/image_io.h"
 #include "client/render/image_seeds.h"
 #include "client/render/renderer.h"
-#include "client/stroke/resolved_visibility.h"
+#include "client/stroke/visibility/resolved_visibility.h"
 
 #include <cstdio>
 #include <memory>

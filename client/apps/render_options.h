@@ -6,7 +6,7 @@
 #include "client/pose/orbit.h"
 #include "client/render/gl_context.h"
 #include "client/render/renderer.h"
-#include "client/stroke/surface_lines.h"
+#include "client/stroke/chain/surface_lines.h"
 
 #include "shared/core/camera.h"
 #include "shared/core/result.h"

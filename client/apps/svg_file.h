@@ -3,8 +3,8 @@
 
 #include "client/apps/render_options.h"
 #include "client/core/snapshot.h"
-#include "client/stroke/polyline.h"
-#include "client/stroke/resolved_visibility.h"
+#include "client/stroke/chain/polyline.h"
+#include "client/stroke/visibility/resolved_visibility.h"
 
 #include "shared/core/camera.h"
 #include "shared/core/result.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "client/stroke/polyline.h"
+#include "client/stroke/chain/polyline.h"
 
 #include "shared/codec/contour_codec.h"
 #include "shared/core/camera.h"

@@ -5,7 +5,7 @@
 #include "client/render/draw_options.h"
 #include "client/render/draw_tools.h"
 #include "client/render/style_store.h"
-#include "client/stroke/polyline.h"
+#include "client/stroke/chain/polyline.h"
 
 #include "shared/core/camera.h"
 #include "shared/core/result.h"

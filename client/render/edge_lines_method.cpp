@@ -10,7 +10,7 @@
 #include "client/render/face_uniforms.h"
 #include "client/render/shaders/back_face_shaders.h"
 #include "client/render/shaders/edge_line_shaders.h"
-#include "client/stroke/visibility.h"
+#include "client/stroke/visibility/visibility.h"
 
 #include "shared/mesh/adjacency.h"
 

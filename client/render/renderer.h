@@ -6,8 +6,8 @@
 #include "client/render/gl_context.h"
 #include "client/render/image.h"
 #include "client/render/scene.h"
-#include "client/stroke/depth_image.h"
-#include "client/stroke/polyline.h"
+#include "client/stroke/chain/polyline.h"
+#include "client/stroke/visibility/depth_image.h"
 
 #include "shared/core/camera.h"
 #include "shared/core/result.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "client/core/snapshot.h"
-#include "client/stroke/polyline.h"
+#include "client/stroke/chain/polyline.h"
 
 #include "shared/core/camera.h"
 

@@ -8,7 +8,7 @@
 #include "client/render/shaders/shaders.h"
 #include "client/stroke/line_density.h"
 #include "client/stroke/line_halo.h"
-#include "client/stroke/visibility.h"
+#include "client/stroke/visibility/visibility.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "client/render/style_store.h"
-#include "client/stroke/spine_samples.h"
 #include "client/stroke/tessellate.h"
+#include "client/stroke/visibility/spine_samples.h"
 
 #include "shared/core/camera.h"
 #include "shared/gl/handles.h"
@@ -21,8 +21,8 @@ class StrokePass {
   /// Most samples a frame can have.
   static constexpr std::uint32_t kMaxSamples = 1U << 20;
 
-  /// Tests every sample against depth, as sampleVisibility (client/stroke/visibility.h). Errors:
-  /// kUnavailable.
+  /// Tests every sample against depth, as sampleVisibility (client/stroke/visibility/visibility.h).
+  /// Errors: kUnavailable.
   [[nodiscard]] Result<void> findVisibility(const SpineSamples& samples, const gl::Texture& depth);
 
   /// What happens to hidden parts; the shader's numbers.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/chain/polyline.h"
 #include "client/stroke/line_scene.h"
 #include "client/stroke/parameters.h"
-#include "client/stroke/polyline.h"
 #include "client/stroke/spine.h"
 
 #include <glm/glm.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "client/stroke/polyline.h"
+#include "client/stroke/chain/polyline.h"
 #include "client/stroke/spine.h"
 
 #include <vector>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/chain/polyline.h"
 #include "client/stroke/clip_segment.h"
 #include "client/stroke/line_scene.h"
-#include "client/stroke/polyline.h"
 
 #include <glm/glm.hpp>
 

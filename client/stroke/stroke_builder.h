@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/chain/polyline.h"
 #include "client/stroke/coherent_parameters.h"
 #include "client/stroke/line_fade.h"
 #include "client/stroke/line_scene.h"
-#include "client/stroke/line_spans.h"
 #include "client/stroke/parameters.h"
-#include "client/stroke/polyline.h"
 #include "client/stroke/spine.h"
-#include "client/stroke/spine_samples.h"
 #include "client/stroke/style.h"
 #include "client/stroke/tessellate.h"
+#include "client/stroke/visibility/line_spans.h"
+#include "client/stroke/visibility/spine_samples.h"
 
 #include <cstdint>
 #include <vector>

@@ -5,8 +5,8 @@
 #include "client/stroke/line_fade.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
-#include "client/stroke/spine_samples.h"
 #include "client/stroke/style.h"
+#include "client/stroke/visibility/spine_samples.h"
 
 #include <glm/glm.hpp>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/chain/polyline.h"
 #include "client/stroke/line_scene.h"
-#include "client/stroke/polyline.h"
-#include "client/stroke/resolved_visibility.h"
 #include "client/stroke/style.h"
+#include "client/stroke/visibility/resolved_visibility.h"
 
 #include <glm/glm.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/svg/visible_runs.h"
 
-#include "client/stroke/visibility.h"
+#include "client/stroke/visibility/visibility.h"
 
 #include <algorithm>
 #include <cmath>

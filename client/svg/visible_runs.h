@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/chain/polyline.h"
 #include "client/stroke/line_scene.h"
-#include "client/stroke/polyline.h"
-#include "client/stroke/resolved_visibility.h"
 #include "client/stroke/spine.h"
+#include "client/stroke/visibility/resolved_visibility.h"
 
 #include <glm/glm.hpp>
 
@@ -23,9 +23,9 @@ struct VisibleRun {
 };
 
 /// Cuts spines where their visibility changes; gaps and visible parts too short to be told from
-/// what is right go as in the picture (kShortRun in client/stroke/visibility.h). Every spine's runs
-/// cover it whole and share their cuts' points; a loop that changes nowhere stays a loop. spines
-/// and arcs: of `lines` in `scene`; resolved: of the same. Cost: O(points).
+/// what is right go as in the picture (kShortRun in client/stroke/visibility/visibility.h). Every
+/// spine's runs cover it whole and share their cuts' points; a loop that changes nowhere stays a
+/// loop. spines and arcs: of `lines` in `scene`; resolved: of the same. Cost: O(points).
 [[nodiscard]] std::vector<VisibleRun> cutAtVisibility(
     const SpineSet& spines,
     const SpineArcs& arcs,

@@ -40,7 +40,7 @@ struct ContourOff {
 struct ContourSearchOptions {
   /// Share of either contour's length that may be off by more than the bound: the 95th percentile
   /// with some margin. More margin for smooth silhouettes, since clients divide normals at creases
-  /// (client/stroke/crease_contours) and the search does not.
+  /// (client/stroke/chain/crease_contours) and the search does not.
   double edgesShare = 0.047;
   double smoothShare = 0.035;
   /// A round adds at most this many splits for each that is held, times the share that is off.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Based on: P. Mohr, "Silhouette Rendering of Complex Shapes with Stylized Lines" (thesis), 2013,
 // §3.4 (the depth image is asked at a line's pixel and its eight neighbours).
-// The rules are those of client/stroke/visibility: only neighbours on the silhouette's outward side
-// are asked, two must be free, silhouettes that are concave or covered by faces around them are
-// hidden, the bias follows the slope of the surface, and most of a segment decides for all of it.
+// The rules are those of client/stroke/visibility/visibility: only neighbours on the silhouette's
+// outward side are asked, two must be free, silhouettes that are concave or covered by faces around
+// them are hidden, the bias follows the slope of the surface, and most of a segment decides for all
+// of it.
 #include "shared/silhouette/visible_contour.h"
 
 #include "shared/mesh/edge_shape.h"

@@ -14,7 +14,7 @@
 #include "client/render/clip_contours.h"
 #include "client/render/contour_coverage.h"
 #include "client/render/renderer.h"
-#include "client/stroke/chain.h"
+#include "client/stroke/chain/chain.h"
 #include "server/contour/contour_extractor.h"
 #include "server/preprocess/hulls/build_hull.h"
 #include "tests/bench/measure.h"

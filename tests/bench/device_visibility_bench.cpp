@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Line visibility by depth image, as the device finds it, against the exact visibility of
-// client/stroke/resolved_visibility (itself checked against Embree by limn-visibility-bench): six
-// views at 1024 x 1024. Two lines of JSON a mesh, on stdout: silhouette edges, then smooth
-// silhouettes.
+// client/stroke/visibility/resolved_visibility (itself checked against Embree by
+// limn-visibility-bench): six views at 1024 x 1024. Two lines of JSON a mesh, on stdout: silhouette
+// edges, then smooth silhouettes.
 //   A sample (one a pixel along every line) is wrong where its answer is not that at its place. A
 // span is long where more than kFarPx samples in a row are wrong and none of them is a neighbour of
 // a change of the truth ("long_spans_percent", of all samples), or whatever the truth does around
 // them ("strict").
 //   limn-device-visibility-bench MODEL-FILE...   (names of models as tests/corpus knows them)
 #include "client/render/renderer.h"
-#include "client/stroke/chain.h"
-#include "client/stroke/crease_contours.h"
-#include "client/stroke/crease_noise.h"
-#include "client/stroke/open_surfaces.h"
-#include "client/stroke/panel_edges.h"
-#include "client/stroke/resolved_visibility.h"
-#include "client/stroke/visibility.h"
+#include "client/stroke/chain/chain.h"
+#include "client/stroke/chain/crease_contours.h"
+#include "client/stroke/chain/crease_noise.h"
+#include "client/stroke/chain/open_surfaces.h"
+#include "client/stroke/chain/panel_edges.h"
+#include "client/stroke/visibility/resolved_visibility.h"
+#include "client/stroke/visibility/visibility.h"
 #include "tests/bench/measure.h"
 #include "tests/corpus/corpus.h"
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The ways to draw that find their silhouettes on the GPU, against exact visible contours (edges
-// of the mesh, resolved by client/stroke/resolved_visibility) and, in time, against the plain
-// shaded frame: six views at 1024 x 1024, the style "technical" (2 px). One line of JSON a mesh and
-// method, on stdout.
+// of the mesh, resolved by client/stroke/visibility/resolved_visibility) and, in time, against the
+// plain shaded frame: six views at 1024 x 1024, the style "technical" (2 px). One line of JSON a
+// mesh and method, on stdout.
 //   limn-draw-bench [--gl egl|osmesa] [--frames N] [--save FOLDER] MODEL-FILE...
 //   (names of models as tests/corpus knows them). ms: of the processor, on a software renderer
 // covered_percent: of the length of visible contours, what has ink within 2 px. false_px: the
 // longest extent of ink that is more than 3 px from every visible contour and feature edge.
 #include "client/render/image_io.h"
 #include "client/render/renderer.h"
-#include "client/stroke/chain.h"
-#include "client/stroke/resolved_visibility.h"
+#include "client/stroke/chain/chain.h"
+#include "client/stroke/visibility/resolved_visibility.h"
 #include "tests/bench/measure.h"
 #include "tests/corpus/corpus.h"
 

@@ -2,7 +2,7 @@
 // Detection and chaining, timed against brute force and against the loop that everyone writes
 // first, in the same run on the same views. One thread. Prints rows for bench.py.
 //   limn-silhouette-bench [--quick | NAME]   NAME: only meshes whose name starts so
-#include "client/stroke/chain.h"
+#include "client/stroke/chain/chain.h"
 #include "server/preprocess/forest/build_forest.h"
 #include "tests/bench/measure.h"
 #include "tests/corpus/corpus.h"

@@ -3,7 +3,7 @@
 // client/stroke up to the strips that the GPU draws. One thread's processor time; medians over an
 // orbit. Then how far textures slide along the lines on an orbit at 1 degree a frame.
 //   limn-stroke-bench [--quick] [MODEL-FILE...]   (more models to measure slides of)
-#include "client/stroke/chain.h"
+#include "client/stroke/chain/chain.h"
 #include "client/stroke/stroke_builder.h"
 #include "tests/bench/measure.h"
 #include "tests/corpus/corpus.h"

@@ -2,8 +2,8 @@
 // Resolved line visibility on the CPU: how much of it is wrong against ray casts (Embree's where
 // this program was built with it), and how long it takes. One line of JSON a mesh, on stdout.
 //   limn-visibility-bench MODEL-FILE...   (names of models as tests/corpus knows them)
-#include "client/stroke/chain.h"
-#include "client/stroke/resolved_visibility.h"
+#include "client/stroke/chain/chain.h"
+#include "client/stroke/visibility/resolved_visibility.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/visibility_truth.h"
 #include "tests/corpus/corpus.h"

@@ -3,9 +3,9 @@
 // to the eye, past every face but the edge's own two; concave edges are hidden by their own.
 #include "client/render/assets.h"
 #include "client/render/renderer.h"
-#include "client/stroke/chain.h"
-#include "client/stroke/resolved_visibility.h"
-#include "client/stroke/visibility.h"
+#include "client/stroke/chain/chain.h"
+#include "client/stroke/visibility/resolved_visibility.h"
+#include "client/stroke/visibility/visibility.h"
 #include "tests/corpus/corpus.h"
 #include "tests/property/segment_meets.h"
 

@@ -52,7 +52,7 @@ void main() {
 )";
 
 /// The 8-neighbourhood test, one fragment a spine sample: see testSamples in
-/// client/stroke/visibility.cpp, which does the same operations.
+/// client/stroke/visibility/visibility.cpp, which does the same operations.
 inline constexpr std::string_view kVisibilityFragment = R"(#version 300 es
 precision highp float;
 precision highp int;

@@ -3,8 +3,8 @@
 // Lines of a mesh that the client does not hold, on the inner hull that it holds instead: which of
 // their parts are taken for visible, against the mesh itself.
 #include "client/apps/contour_lines.h"
-#include "client/stroke/resolved_visibility.h"
-#include "client/stroke/visibility.h"
+#include "client/stroke/visibility/resolved_visibility.h"
+#include "client/stroke/visibility/visibility.h"
 #include "server/preprocess/hulls/build_hull.h"
 #include "tests/corpus/corpus.h"
 #include "tests/unit/client/render/scene_fixture.h"

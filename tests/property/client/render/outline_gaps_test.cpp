@@ -5,8 +5,8 @@
 #include "tests/unit/client/render/outline_gaps.h"
 
 #include "client/apps/line_finder.h"
-#include "client/stroke/crease_contours.h"
-#include "client/stroke/crease_noise.h"
+#include "client/stroke/chain/crease_contours.h"
+#include "client/stroke/chain/crease_noise.h"
 #include "tests/corpus/corpus.h"
 #include "tests/unit/client/render/scene_fixture.h"
 

@@ -2,7 +2,7 @@
 // The complete detectors lose nothing: brute force, cones and exact find the same edges or faces
 // and, chained, the same loops, on every good mesh, at the base, at a partial cut and complete.
 // A few views of small meshes, or LIMN_ALL_VIEWS=500 for so many of every mesh there is.
-#include "client/stroke/chain.h"
+#include "client/stroke/chain/chain.h"
 #include "server/preprocess/forest/build_forest.h"
 #include "tests/corpus/corpus.h"
 #include "tests/property/legal_order.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/stroke/chain.h"
+#include "client/stroke/chain/chain.h"
 #include "tests/corpus/corpus.h"
 #include "tests/property/shared/silhouette/views.h"
 

@@ -3,7 +3,7 @@
 
 #include "client/core/snapshot.h"
 #include "client/render/renderer.h"
-#include "client/stroke/polyline.h"
+#include "client/stroke/chain/polyline.h"
 
 #include <algorithm>
 #include <cmath>

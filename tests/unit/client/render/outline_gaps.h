@@ -2,8 +2,8 @@
 #pragma once
 
 #include "client/render/image.h"
-#include "client/stroke/depth_image.h"
 #include "client/stroke/view_distance.h"
+#include "client/stroke/visibility/depth_image.h"
 
 #include "shared/core/camera.h"
 

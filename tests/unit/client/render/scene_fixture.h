@@ -4,7 +4,7 @@
 #include "client/core/snapshot.h"
 #include "client/render/gl_context.h"
 #include "client/render/renderer.h"
-#include "client/stroke/chain.h"
+#include "client/stroke/chain/chain.h"
 
 #include "shared/mesh/primitives.h"
 #include "shared/silhouette/brute_force.h"

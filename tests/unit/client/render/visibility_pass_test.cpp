@@ -3,7 +3,7 @@
 #include "client/render/stroke_pass.h"
 #include "client/stroke/line_density.h"
 #include "client/stroke/line_halo.h"
-#include "client/stroke/visibility.h"
+#include "client/stroke/visibility/visibility.h"
 #include "tests/unit/client/render/scene_fixture.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/coherent_parameters.h"
 
-#include "client/stroke/chain.h"
+#include "client/stroke/chain/chain.h"
 #include "client/stroke/stroke_builder.h"
 #include "tests/texture_slide.h"
 

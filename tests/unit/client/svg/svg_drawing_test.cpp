@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/svg/svg_drawing.h"
 
-#include "client/stroke/chain.h"
+#include "client/stroke/chain/chain.h"
 #include "client/stroke/line_halo.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
