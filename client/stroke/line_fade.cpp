@@ -184,9 +184,8 @@ drawnPoints(const PolylineSet& lines, const StrokeStyle& style, const LineScene&
   std::vector<LineFade> fades;
   fadeLines(spines, style, scene, fades);
   dropFaded(spines, fades);
-  std::vector<std::uint8_t> isDrawn(lines.points.size(), 0);
-  for (const std::uint32_t point : spines.source)
-    isDrawn[point] = 1;
+  std::vector<std::uint8_t> isDrawn;
+  markDrawn(spines, lines.points.size(), isDrawn);
   return isDrawn;
 }
 

@@ -200,6 +200,12 @@ SpineSet projectLines(const PolylineSet& lines, const LineScene& scene) {
   return out;
 }
 
+void markDrawn(const SpineSet& spines, std::size_t points, std::vector<std::uint8_t>& isDrawn) {
+  isDrawn.assign(points, 0);
+  for (const std::uint32_t point : spines.source)
+    isDrawn[point] = 1;
+}
+
 void smoothSpines(float sigmaPx, SpineSet& spines) {
   if (!(sigmaPx > 0.0F)) return;
   const float reach = kBellReach * sigmaPx;

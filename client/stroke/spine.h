@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -50,6 +51,10 @@ class SpineProjector {
  private:
   std::vector<glm::dvec4> clip_;  // of the line at hand
 };
+
+/// Fills `isDrawn`, one entry a point of the PolylineSet: 1 where a spine has the segment that
+/// starts there. Cost: O(points).
+void markDrawn(const SpineSet& spines, std::size_t points, std::vector<std::uint8_t>& isDrawn);
 
 /// SpineProjector once, with every point that can be told from its neighbour.
 [[nodiscard]] SpineSet projectLines(const PolylineSet& lines, const LineScene& scene);

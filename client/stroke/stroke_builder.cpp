@@ -36,9 +36,7 @@ BuiltStrokes StrokeBuilder::build(
   dropFaded(spines_, fades_);
   smoothSpines(style.smoothPx, spines_);
   measureSpines(spines_, arcs_);
-  isDrawn_.assign(lines.points.size(), 0);
-  for (const std::uint32_t point : spines_.source)
-    isDrawn_[point] = 1;
+  markDrawn(spines_, lines.points.size(), isDrawn_);
   spanFinder_.find(lines, isDrawn_, scene, spans_);
   sampleSpines(spines_, arcs_, spans_, scene.viewport, options.samples, samples_);
   const float period = texturePeriod(style, options.widthPx);

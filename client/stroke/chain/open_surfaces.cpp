@@ -29,6 +29,9 @@ OpenSurfaces::OpenSurfaces(
     const HalfEdgeMesh& mesh,
     std::span<const glm::ivec3> positions,
     const Cracks& cracks) {
+  if (std::find(mesh.twins.begin(), mesh.twins.end(), HalfEdgeId{kNone}) == mesh.twins.end())
+    return;
+  partOf_.assign(mesh.faceCount(), kNone);
   const std::vector<std::pair<FaceId, FaceId>> pairs = pairsAcross(cracks);
   std::vector<FaceId> waiting;
   const auto reach = [&](FaceId face) {
@@ -38,7 +41,6 @@ OpenSurfaces::OpenSurfaces(
   };
   for (HalfEdgeId border = 0; border < mesh.twins.size(); ++border) {
     if (mesh.twin(border) != kNone) continue;
-    if (partOf_.empty()) partOf_.assign(mesh.faceCount(), kNone);
     if (partOf_[HalfEdgeMesh::face(border)] != kNone) continue;
     parts_.emplace_back();
     Part& part = parts_.back();

@@ -15,12 +15,11 @@
 
 namespace limn {
 
-/// The parts of a mesh into which one can look: connected surfaces (also across cracks) with a
-/// border, as large in one direction as what their openings let be seen. Constant after
-/// construction. Threads: reentrant.
+/// The parts of a mesh that have a border: connected surfaces, also across cracks, whose back side
+/// may be seen through openings. Constant after construction. Threads: reentrant.
 class OpenSurfaces {
  public:
-  /// Cost: O(faces); O(half-edges) to find that there is no border.
+  /// Cost: O(faces + cracks · log cracks); a look at every half-edge where there is no border.
   OpenSurfaces(
       const HalfEdgeMesh& mesh,
       std::span<const glm::ivec3> positions,
@@ -30,8 +29,8 @@ class OpenSurfaces {
   /// over. Cost: O(points), nothing where all is closed.
   void markBacks(const SilhouetteView& view, PolylineSet& lines) const;
 
-  /// Of a face's surface. It is turned so where, through its openings or since it is a sheet, more
-  /// of its back side shows than kLeastShare of its area.
+  /// Of a face's surface. kSeen where, through its openings or since it is a sheet, more of its
+  /// back side shows than of its front, by kLeastShare of its area.
   [[nodiscard]] PolylineSet::Back backOf(FaceId face, const SilhouetteView& view) const;
 
   static constexpr double kLeastShare = 0.02;
