@@ -4,7 +4,6 @@
 #include "client/apps/drawing_options.h"
 #include "client/render/assets.h"
 #include "client/render/style_files.h"
-#include "client/stroke/line_fade.h"
 #include "client/stroke/tessellate.h"
 #include "client/svg/stroke_shape.h"
 #include "client/svg/svg_drawing.h"
@@ -68,8 +67,10 @@ Result<std::string> svgFile(
       snapshot.model.grid,
       camera,
       options.viewport};
-  const ResolvedLines resolved = resolver.resolve(lines, scene, drawnPoints(lines, style, scene));
-  return svgDrawing(lines, resolved, scene, style, svg);
+  const auto resolve = [&](std::span<const std::uint8_t> isDrawn) {
+    return resolver.resolve(lines, scene, isDrawn);
+  };
+  return svgDrawing(lines, resolve, scene, style, svg);
 }
 
 }  // namespace limn

@@ -74,7 +74,8 @@ Result<StrokePass> StrokePass::create(const gl::Api& api) {
   return pass;
 }
 
-Result<void> StrokePass::findVisibility(const SpineSamples& samples, const gl::Texture& depth) {
+Result<void>
+StrokePass::findVisibility(const SpineSamples& samples, const gl::Texture& depth, int closedGap) {
   const std::size_t count = samples.samples.size();
   const int rows = std::max(1, static_cast<int>((count + kAtlasWidth - 1) / kAtlasWidth));
   if (rows > rows_) {
@@ -154,7 +155,8 @@ Result<void> StrokePass::findVisibility(const SpineSamples& samples, const gl::T
   shapeProgram_.set("samples", 0);
   shapeProgram_.set("voted", 1);
   shapeProgram_.set("ramp", static_cast<int>(kRampSamples));
-  shapeProgram_.set("margin", 2 * kShortRun);
+  shapeProgram_.set("closedGap", closedGap);
+  shapeProgram_.set("shortRun", kShortRun);
   gl::bindTexture(*api_, 1, voted_.color());
   fill(tested_);
   return {};

@@ -4,6 +4,7 @@
 #include "client/render/style_store.h"
 #include "client/stroke/tessellate.h"
 #include "client/stroke/visibility/spine_samples.h"
+#include "client/stroke/visibility/visibility.h"
 
 #include "shared/core/camera.h"
 #include "shared/gl/handles.h"
@@ -23,7 +24,8 @@ class StrokePass {
 
   /// Tests every sample against depth, as sampleVisibility (client/stroke/visibility/visibility.h).
   /// Errors: kUnavailable.
-  [[nodiscard]] Result<void> findVisibility(const SpineSamples& samples, const gl::Texture& depth);
+  [[nodiscard]] Result<void>
+  findVisibility(const SpineSamples& samples, const gl::Texture& depth, int closedGap = kShortRun);
 
   /// What happens to hidden parts; the shader's numbers.
   enum class Hidden { kStyle = 0, kOff = 1, kAsVisible = 2 };

@@ -2,6 +2,7 @@
 #include "client/render/strokes_method.h"
 
 #include "client/render/shaders/shaders.h"
+#include "client/stroke/visibility/visibility.h"
 
 #include <chrono>
 #include <utility>
@@ -74,7 +75,12 @@ StrokesMethod::draw(const DrawRequest& request, const gl::Target& picture, Frame
   timings.strokeMs = millisecondsSince(start);
 
   start = Clock::now();
-  if (auto found = pass_.findVisibility(strokes.samples, (*depth)->depth()); !found) return found;
+  if (auto found = pass_.findVisibility(
+          strokes.samples,
+          (*depth)->depth(),
+          closedGap(request.lineWidthPx()));
+      !found)
+    return found;
   const StrokePass::DrawOptions drawing{
       .viewport = options.viewport,
       .hidden = hiddenMode(options.hidden),

@@ -178,15 +178,4 @@ void dropFaded(SpineSet& spines, std::vector<LineFade>& fades) {
   fades.resize(kept);
 }
 
-std::vector<std::uint8_t>
-drawnPoints(const PolylineSet& lines, const StrokeStyle& style, const LineScene& scene) {
-  SpineSet spines = projectLines(lines, scene);
-  std::vector<LineFade> fades;
-  fadeLines(spines, style, scene, fades);
-  dropFaded(spines, fades);
-  std::vector<std::uint8_t> isDrawn;
-  markDrawn(spines, lines.points.size(), isDrawn);
-  return isDrawn;
-}
-
 }  // namespace limn

@@ -32,9 +32,4 @@ void fadeLines(
 /// Leaves out spines of which nothing is to be seen, and their fades. Cost: O(points).
 void dropFaded(SpineSet& spines, std::vector<LineFade>& fades);
 
-/// 1 at points whose segments are to be seen, 0 where they are faded away: as fadeLines has it for
-/// the whole of a view's lines. Cost: as fadeLines().
-[[nodiscard]] std::vector<std::uint8_t>
-drawnPoints(const PolylineSet& lines, const StrokeStyle& style, const LineScene& scene);
-
 }  // namespace limn

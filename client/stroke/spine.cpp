@@ -11,8 +11,8 @@
 namespace limn {
 namespace {
 
-/// Points nearer than this in the picture are one point, whatever the use.
-constexpr float kSamePx = 0.05F;
+/// How far before its end a line is asked whether it is visible there, pixels.
+constexpr float kBeforeJointPx = 2.0F;
 
 /// How far smoothing looks, in standard deviations: where (1 − t²)² has the deviation asked for.
 constexpr float kBellReach = 2.65F;
@@ -261,6 +261,16 @@ void smoothSpines(float sigmaPx, SpineSet& spines) {
       points[i] = sum / weight;
     }
   }
+}
+
+float arcBefore(
+    const SpineSet& spines,
+    const SpineArcs& arcs,
+    const SpineSet::Spine::Joint& joint) {
+  const float length = arcs.length[joint.spine];
+  const float arc = arcs.arc[joint.point] + (joint.isEnd ? -kBeforeJointPx : kBeforeJointPx);
+  return spines.spines[joint.spine].closed ? arc - length * std::floor(arc / length)
+                                           : std::clamp(arc, 0.0F, length);
 }
 
 SpineArcs measureSpines(const SpineSet& spines) {

@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -27,6 +28,18 @@ struct SpineSet {
     glm::vec2 low{0.0F};     // the box around its points
     glm::vec2 high{0.0F};
 
+    /// Of what only joins two spines over a gap (bridgeCusps): where either ends.
+    struct Joint {
+      std::uint32_t spine = kNone;
+      std::uint32_t point = 0;  // of SpineSet::points
+      bool isEnd = true;        // what is joined lies before it, not after
+    };
+
+    std::array<Joint, 2> joints{};
+
+    /// It is visible where both lines that it joins are.
+    [[nodiscard]] bool isBridge() const { return joints[0].spine != kNone; }
+
     /// Diagonal of its box, pixels.
     [[nodiscard]] float extentPx() const { return glm::distance(low, high); }
 
@@ -39,6 +52,15 @@ struct SpineSet {
   std::vector<std::uint32_t> source;  // the point of the PolylineSet whose segment starts here
   std::vector<Spine> spines;
 };
+
+/// Points nearer than this in the picture are one point, whatever the use.
+inline constexpr float kSamePx = 0.05F;
+
+/// Whether a line turns by more than a right angle at point i, which has one before and one after
+/// it.
+[[nodiscard]] inline bool turnsBack(const std::vector<glm::vec2>& points, std::uint32_t i) {
+  return glm::dot(points[i] - points[i - 1], points[i + 1] - points[i]) < 0.0F;
+}
 
 /// Projects and cuts lines. Keeps its working memory from frame to frame.
 /// Threads: one caller at a time.
@@ -70,6 +92,11 @@ struct SpineArcs {
   std::vector<float> arc;     // parallel to SpineSet::points
   std::vector<float> length;  // parallel to SpineSet::spines
 };
+
+/// Distance along the spine that a bridge joins, a little before where they meet: what is visible
+/// there decides about the bridge.
+[[nodiscard]] float
+arcBefore(const SpineSet& spines, const SpineArcs& arcs, const SpineSet::Spine::Joint& joint);
 
 [[nodiscard]] SpineArcs measureSpines(const SpineSet& spines);
 /// The same into `arcs`, whose memory is used again.

@@ -31,38 +31,38 @@ BuiltStrokes StrokeBuilder::build(
     const LineScene& scene,
     const StrokeStyle& style,
     const StrokeBuildOptions& options) {
-  projector_.project(lines, scene, options.mergePx, spines_);
-  fadeLines(spines_, style, scene, fades_);
-  dropFaded(spines_, fades_);
-  smoothSpines(style.smoothPx, spines_);
-  measureSpines(spines_, arcs_);
-  markDrawn(spines_, lines.points.size(), isDrawn_);
+  drawn_.find(lines, scene, style, options.widthPx, options.mergePx);
+  SpineSet& spines = drawn_.spines;
+  smoothSpines(style.smoothPx, spines);
+  measureSpines(spines, arcs_);
+  markDrawn(spines, lines.points.size(), isDrawn_);
   spanFinder_.find(lines, isDrawn_, scene, spans_);
-  sampleSpines(spines_, arcs_, spans_, scene.viewport, options.samples, samples_);
+  sampleSpines(spines, arcs_, spans_, scene.viewport, options.samples, samples_);
   const float period = texturePeriod(style, options.widthPx);
-  coherence_.assign(spines_, arcs_, lines, scene, period, parameters_);
+  coherence_.assign(spines, arcs_, lines, scene, period, parameters_);
   findWidths(lines, scene.camera, options.widthFalloff);
   tessellate(
-      {spines_, arcs_, fades_, samples_, parameters_, widths_},
+      {spines, arcs_, drawn_.fades, samples_, parameters_, widths_},
       style,
       options.widthPx,
       options.brush,
       mesh_);
-  return {samples_, mesh_, spines_, parameters_};
+  return {samples_, mesh_, spines, parameters_};
 }
 
 void StrokeBuilder::findWidths(const PolylineSet& lines, const Camera& camera, float falloff) {
   widths_.clear();
   const bool falls = falloff > 0.0F && !camera.orthographic;
   if (!falls && lines.strengths.empty()) return;
-  widths_.assign(spines_.points.size(), 1.0F);
+  const SpineSet& spines = drawn_.spines;
+  widths_.assign(spines.points.size(), 1.0F);
   if (falls) {
     for (std::size_t i = 0; i < widths_.size(); ++i)
-      widths_[i] = widthFactor(camera, spines_.depth[i], falloff);
+      widths_[i] = widthFactor(camera, spines.depth[i], falloff);
   }
   if (lines.strengths.empty()) return;
   for (std::size_t i = 0; i < widths_.size(); ++i)
-    widths_[i] *= lines.strengths[spines_.source[i]];
+    widths_[i] *= lines.strengths[spines.source[i]];
 }
 
 }  // namespace limn

@@ -3,7 +3,7 @@
 
 #include "client/stroke/chain/polyline.h"
 #include "client/stroke/coherent_parameters.h"
-#include "client/stroke/line_fade.h"
+#include "client/stroke/drawn_spines.h"
 #include "client/stroke/line_scene.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
@@ -42,9 +42,9 @@ struct BuiltStrokes {
   const SpineParameters& parameters;
 };
 
-/// Chained lines to strokes: projection, fading, smoothing, spans, samples, parameters and strips,
-/// one after another. Parameters follow the frame before, so one builder draws one view's frames.
-/// Keeps its memory from frame to frame, so that a frame allocates nothing once it is warm.
+/// Chained lines to strokes: what is drawn of them, smoothing, spans, samples, parameters and
+/// strips, one after another. Parameters follow the frame before, so one builder draws one view's
+/// frames. Keeps its memory from frame to frame, so that a frame allocates nothing once it is warm.
 /// Threads: one caller at a time.
 class StrokeBuilder {
  public:
@@ -58,9 +58,7 @@ class StrokeBuilder {
  private:
   void findWidths(const PolylineSet& lines, const Camera& camera, float falloff);
 
-  SpineProjector projector_;
-  SpineSet spines_;
-  std::vector<LineFade> fades_;
+  DrawnSpines drawn_;
   SpineArcs arcs_;
   LineSpanFinder spanFinder_;
   std::vector<std::uint8_t> isDrawn_;  // by point

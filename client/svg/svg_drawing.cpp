@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/svg/svg_drawing.h"
 
-#include "client/stroke/line_fade.h"
+#include "client/stroke/drawn_spines.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
 #include "client/stroke/stroke_builder.h"
+#include "client/stroke/visibility/visibility.h"
 #include "client/svg/clear_runs.h"
 #include "client/svg/crowded_runs.h"
 #include "client/svg/curve_fit.h"
@@ -219,20 +220,24 @@ layerHead(const KindName& kind, bool visible, const SvgPen& pen, const StrokeSty
 
 std::string svgDrawing(
     const PolylineSet& lines,
-    const ResolvedLines& resolved,
+    const ResolveDrawn& resolve,
     const LineScene& scene,
     const StrokeStyle& style,
     const SvgOptions& options) {
   // The picture's own steps, so that its strokes run where these do.
-  SpineSet spines = projectLines(lines, scene);
-  std::vector<LineFade> fades;
-  fadeLines(spines, style, scene, fades);
-  dropFaded(spines, fades);
+  DrawnSpines drawn;
+  drawn.find(lines, scene, style, options.inkPx, kSamePx);
+  SpineSet& spines = drawn.spines;
+  const std::vector<LineFade>& fades = drawn.fades;
+  std::vector<std::uint8_t> isDrawn;
+  markDrawn(spines, lines.points.size(), isDrawn);
+  const ResolvedLines resolved = resolve(isDrawn);
   smoothSpines(style.smoothPx, spines);
   const SpineArcs arcs = measureSpines(spines);
   SpineParameters parameters;
   freshParameters(spines, arcs, lines, options.periodPx, parameters);
-  std::vector<VisibleRun> runs = cutAtVisibility(spines, arcs, lines, resolved, scene);
+  std::vector<VisibleRun> runs =
+      cutAtVisibility(spines, arcs, lines, resolved, scene, closedGap(options.inkPx));
 
   const LineDensity density = densityOf(runs, scene.viewport, options.hiddenAsVisible);
   if (options.hidden && !options.hiddenAsVisible) {

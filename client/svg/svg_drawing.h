@@ -8,7 +8,10 @@
 
 #include <glm/glm.hpp>
 
+#include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,15 +37,19 @@ struct SvgOptions {
   float periodPx = 1.0F;         // of the picture's textures: dashes lie where its own do
 };
 
+/// The visibility of lines of which those segments are drawn, one entry a point
+/// (VisibilityResolver).
+using ResolveDrawn = std::function<ResolvedLines(std::span<const std::uint8_t> isDrawn)>;
+
 /// Lines as an SVG document that a designer can go on with: a layer (as Inkscape has them) for each
 /// kind of line and visibility, its look in the layer's own attributes, every stroke one path of
 /// lines and smooth curves within a quarter of a pixel of the drawing's strokes, loops closed. The
-/// view is in the metadata. lines: of the scene's mesh; resolved: their visibility in the scene;
-/// style: what lines fade and how they are smoothed, as in the picture.
+/// view is in the metadata. lines: of the scene's mesh; resolve: asked once for their visibility in
+/// the scene; style: what lines fade and how they are smoothed, as in the picture.
 /// Threads: reentrant. Cost: O(points · log points).
 [[nodiscard]] std::string svgDrawing(
     const PolylineSet& lines,
-    const ResolvedLines& resolved,
+    const ResolveDrawn& resolve,
     const LineScene& scene,
     const StrokeStyle& style,
     const SvgOptions& options);

@@ -9,8 +9,11 @@
 namespace limn {
 namespace {
 
-/// Between the longest run of samples, a pixel apart, that the picture leaves out, and the next.
-constexpr float kShortestPx = kShortRun + 0.5F;
+/// The shortest run that stays, in pixels, where the picture leaves out so many samples, a pixel
+/// apart.
+constexpr float shortestPx(int leftOut) {
+  return static_cast<float>(leftOut) + 0.5F;
+}
 
 /// A run of one visibility up to distance `end` along its spine.
 struct Stretch {
@@ -26,22 +29,30 @@ class SpineCutter {
       const SpineArcs& arcs,
       const PolylineSet& lines,
       const ResolvedLines& resolved,
-      const LineScene& scene)
+      const LineScene& scene,
+      int closedGap)
       : spines_(spines),
         arcs_(arcs),
         lines_(lines),
         resolved_(resolved),
         viewport_(scene.viewport),
-        clipFromGrid_(clipFromGrid(scene)) {}
+        clipFromGrid_(clipFromGrid(scene)),
+        closedGap_(closedGap) {}
 
   void cut(std::uint32_t index, std::vector<VisibleRun>& out) {
     const SpineSet::Spine& spine = spines_.spines[index];
     length_ = arcs_.length[index];
     if (!(length_ > 0.0F)) return;
-    collect(spine);
-    join();
-    suppress(spine.closed, false);
-    suppress(spine.closed, true);
+    if (spine.isBridge()) {
+      const bool isVisible =
+          isJoinedVisible(spine.joints[0], out) && isJoinedVisible(spine.joints[1], out);
+      stretches_.assign(1, {length_, isVisible});
+    } else {
+      collect(spine);
+      join();
+      suppress(spine.closed, false, shortestPx(closedGap_));
+      suppress(spine.closed, true, shortestPx(kShortRun));
+    }
     emit(spine, index, out);
   }
 
@@ -122,16 +133,32 @@ class SpineCutter {
 
   /// Stretches of a visibility that are shorter than the picture shows take on that of what is
   /// around them.
-  void suppress(bool closed, bool visible) {
+  void suppress(bool closed, bool visible, float shortest) {
     const std::size_t count = stretches_.size();
     if (count < 2) return;
     std::vector<std::uint8_t> goes(count, 0);
     for (std::size_t i = 0; i < count; ++i)
-      goes[i] = stretches_[i].visible == visible && lengthOf(i, closed) < kShortestPx ? 1 : 0;
+      goes[i] = stretches_[i].visible == visible && lengthOf(i, closed) < shortest ? 1 : 0;
     for (std::size_t i = 0; i < count; ++i) {
       if (goes[i] != 0) stretches_[i].visible = !visible;
     }
     join();
+  }
+
+  /// Whether what a bridge joins is visible a little before it. runs: with those of its spine.
+  [[nodiscard]] bool isJoinedVisible(
+      const SpineSet::Spine::Joint& joint,
+      const std::vector<VisibleRun>& runs) const {
+    const float arc = arcBefore(spines_, arcs_, joint);
+    const VisibleRun* at = nullptr;    // the last that begins before it
+    const VisibleRun* last = nullptr;  // of a loop: goes on over its start
+    for (const VisibleRun& run : runs) {
+      if (run.spine != joint.spine) continue;
+      if (run.arc <= arc && (at == nullptr || run.arc > at->arc)) at = &run;
+      if (last == nullptr || run.arc > last->arc) last = &run;
+    }
+    if (at == nullptr) at = last;
+    return at != nullptr && at->visible;
   }
 
   [[nodiscard]] glm::vec2 pointAt(const SpineSet::Spine& spine, float arc) const {
@@ -195,6 +222,7 @@ class SpineCutter {
   const ResolvedLines& resolved_;
   Viewport viewport_;
   glm::dmat4 clipFromGrid_;
+  int closedGap_;
   // Of the spine at hand.
   float length_ = 0.0F;
   std::uint32_t line_ = 0;
@@ -208,9 +236,10 @@ std::vector<VisibleRun> cutAtVisibility(
     const SpineArcs& arcs,
     const PolylineSet& lines,
     const ResolvedLines& resolved,
-    const LineScene& scene) {
+    const LineScene& scene,
+    int closedGap) {
   std::vector<VisibleRun> runs;
-  SpineCutter cutter(spines, arcs, lines, resolved, scene);
+  SpineCutter cutter(spines, arcs, lines, resolved, scene, closedGap);
   for (std::uint32_t i = 0; i < spines.spines.size(); ++i)
     cutter.cut(i, runs);
   return runs;

@@ -23,14 +23,16 @@ struct VisibleRun {
 };
 
 /// Cuts spines where their visibility changes; gaps and visible parts too short to be told from
-/// what is right go as in the picture (kShortRun in client/stroke/visibility/visibility.h). Every
-/// spine's runs cover it whole and share their cuts' points; a loop that changes nowhere stays a
-/// loop. spines and arcs: of `lines` in `scene`; resolved: of the same. Cost: O(points).
+/// what is right go as in the picture (closedGap and kShortRun in
+/// client/stroke/visibility/visibility.h). Every spine's runs cover it whole and share their cuts'
+/// points; a loop that changes nowhere stays a loop; a bridge is visible where what it joins is.
+/// spines and arcs: of `lines` in `scene`; resolved: of the same. Cost: O(points + bridges · runs).
 [[nodiscard]] std::vector<VisibleRun> cutAtVisibility(
     const SpineSet& spines,
     const SpineArcs& arcs,
     const PolylineSet& lines,
     const ResolvedLines& resolved,
-    const LineScene& scene);
+    const LineScene& scene,
+    int closedGap);
 
 }  // namespace limn

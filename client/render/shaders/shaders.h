@@ -104,9 +104,15 @@ void main() {
   visible = 0.0;
   if (texelFetch(samples, ivec2(3 * cell.x, cell.y), 0).w < 0.0) return;
   vec2 spine = texelFetch(samples, ivec2(3 * cell.x + 1, cell.y), 0).zw;
-  vec2 span = texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0).xy;
+  vec3 span = texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0).xyz;
   int first = int(span.x);
   int last = int(span.y);
+  if (span.z == 0.0) {  // kAsJoined
+    visible = min(
+        texelFetch(tested, ivec2(first % width, first / width), 0).r,
+        texelFetch(tested, ivec2(last % width, last / width), 0).r);
+    return;
+  }
   bool isRing = spine.y < 0.0 && span.x == spine.x && span.y == -spine.y;
   int count = max(last - first + 1, 1);
   float sum = 0.0;
@@ -132,12 +138,15 @@ precision highp int;
 uniform highp sampler2D samples;
 uniform highp sampler2D voted;
 uniform int ramp;   // samples
-uniform int margin; // what is lost at each end of a window
+uniform int closedGap;
+uniform int shortRun;
 out float visible;
-uint closeGaps(uint bits) {
-  uint left = bits << 1;
-  uint right = bits >> 1;
-  return bits | (left & right) | (left & (bits >> 2)) | ((bits << 2) & right);
+uint closeGaps(uint bits, int longest) {
+  uint grown = bits;
+  for (int i = 0; i < longest; ++i) grown |= grown << 1;
+  uint closed = grown;
+  for (int i = 0; i < longest; ++i) closed &= closed >> 1;
+  return closed | bits;
 }
 void main() {
   ivec2 cell = ivec2(gl_FragCoord.xy);
@@ -147,14 +156,14 @@ void main() {
   int first = int(range.x);
   int last = int(abs(range.y));
   int count = max(last - first + 1, 1);
-  int middle = ramp + margin;
+  int middle = ramp + closedGap + shortRun;
   uint bits = 0u;
   for (int k = 0; k <= 2 * middle; ++k) {
     int j = index + k - middle;
     j = range.y < 0.0 ? first + (j - first + middle * count) % count : clamp(j, first, last);
     if (texelFetch(voted, ivec2(j % width, j / width), 0).r > 0.5) bits |= 1u << k;
   }
-  bits = ~closeGaps(~closeGaps(bits));
+  bits = ~closeGaps(~closeGaps(bits, closedGap), shortRun);
   uint here = (bits >> middle) & 1u;
   float reach = float(ramp) + 0.5;
   float distance = reach;

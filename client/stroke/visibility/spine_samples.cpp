@@ -23,6 +23,38 @@ void applySpan(
     sample.farther = kFartherPx / static_cast<float>(viewport.height);
 }
 
+/// Adds the samples of a bridge. The spines that it joins have theirs.
+void sampleBridge(
+    const SpineSet& spines,
+    const SpineArcs& arcs,
+    std::size_t index,
+    std::uint32_t steps,
+    const glm::vec2& toFraction,
+    SpineSamples& out) {
+  const SpineSet::Spine& spine = spines.spines[index];
+  const auto sampleBefore = [&](const SpineSet::Spine::Joint& joint) {
+    const float along = out.perPx[joint.spine] * arcBefore(spines, arcs, joint);
+    return std::round(static_cast<float>(out.begin[joint.spine]) + along);
+  };
+  SpineSample sample;
+  sample.neededFree = kAsJoined;
+  sample.first = static_cast<float>(out.samples.size());
+  sample.last = sample.first + static_cast<float>(steps);
+  sample.spanFirst = sampleBefore(spine.joints[0]);
+  sample.spanLast = sampleBefore(spine.joints[1]);
+  std::uint32_t point = spine.begin;
+  for (std::uint32_t i = 0; i <= steps; ++i) {
+    const float arc = arcs.length[index] * static_cast<float>(i) / static_cast<float>(steps);
+    while (point + 2 < spine.end && arcs.arc[point + 1] < arc)
+      ++point;
+    const float extent = arcs.arc[point + 1] - arcs.arc[point];
+    const float t = extent > 0.0F ? (arc - arcs.arc[point]) / extent : 0.0F;
+    sample.position = glm::mix(spines.exact[point], spines.exact[point + 1], t) * toFraction;
+    out.samples.push_back(sample);
+    out.source.push_back(spines.source[point]);
+  }
+}
+
 /// Tells samples first … end − 1 that they belong together.
 void bindSamples(std::size_t first, std::size_t end, SpineSamples& out) {
   for (std::size_t i = first; i < end; ++i) {
@@ -77,6 +109,10 @@ void sampleSpines(
     const auto last = static_cast<float>(spine.closed ? first + steps - 1 : first + steps);
     out.begin.push_back(first);
     out.perPx.push_back(length > 0.0F ? static_cast<float>(steps) / length : 0.0F);
+    if (spine.isBridge()) {
+      sampleBridge(spines, arcs, index, steps, toFraction, out);
+      continue;
+    }
 
     std::uint32_t segment = 0;    // from point begin + segment
     std::uint32_t known = kNone;  // the point that facts are of

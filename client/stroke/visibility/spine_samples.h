@@ -17,6 +17,10 @@ namespace limn {
 inline constexpr float kFreeNeighbours = 2.0F;
 inline constexpr float kDoubtfulNeighbours = 4.0F;
 
+/// Instead of these, of a bridge's sample: it is as visible as the lines that it joins are a little
+/// before it, whose samples there are its spanFirst and spanLast.
+inline constexpr float kAsJoined = 0.0F;
+
 /// Where a smooth silhouette's mesh stands out farther than the line's own face does, by noise, and
 /// no other line is there to be its outline (LineSpans::isNearest), it is looked for as far as
 /// this.

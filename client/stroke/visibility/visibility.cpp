@@ -61,6 +61,10 @@ std::vector<std::uint8_t> voteInSpans(
     if (sample.bias < 0.0F) continue;
     const int first = static_cast<int>(sample.spanFirst);
     const int last = static_cast<int>(sample.spanLast);
+    if (sample.neededFree == kAsJoined) {
+      visible[i] = tested[static_cast<std::size_t>(first)] & tested[static_cast<std::size_t>(last)];
+      continue;
+    }
     const bool isRing =
         sample.last < 0.0F && sample.spanFirst == sample.first && sample.spanLast == -sample.last;
     const int count = last - first + 1;
@@ -83,21 +87,30 @@ std::vector<std::uint8_t> voteInSpans(
 
 namespace {
 
-/// Bits of a window, one a sample: gaps of up to kShortRun between ones become ones. Two bits at
-/// each end of the window are not to be used then.
-std::uint32_t closeGaps(std::uint32_t bits) {
-  const std::uint32_t left = bits << 1;
-  const std::uint32_t right = bits >> 1;
-  return bits | (left & right) | (left & (bits >> 2)) | ((bits << 2) & right);
+/// Bits of a window, one a sample: gaps of up to `longest` between ones become ones. As many bits
+/// at each end of the window are not to be used then.
+std::uint32_t closeGaps(std::uint32_t bits, int longest) {
+  std::uint32_t grown = bits;
+  for (int i = 0; i < longest; ++i)
+    grown |= grown << 1;
+  std::uint32_t closed = grown;
+  for (int i = 0; i < longest; ++i)
+    closed &= closed >> 1;
+  return closed | bits;
 }
 
 }  // namespace
 
-std::vector<float> sampleVisibility(const SpineSamples& samples, const DepthImage& depth) {
+int closedGap(float widthPx, float samplesPerPx) {
+  return std::clamp(static_cast<int>(std::lround(widthPx * samplesPerPx)), kShortRun, kLongestGap);
+}
+
+std::vector<float>
+sampleVisibility(const SpineSamples& samples, const DepthImage& depth, int closedGap) {
   const std::vector<std::uint8_t> voted =
       voteInSpans(samples.samples, testSamples(samples.samples, depth));
   constexpr int kRamp = static_cast<int>(kRampSamples);
-  constexpr int kMiddle = kRamp + 2 * kShortRun;
+  const int middle = kRamp + closedGap + kShortRun;
   std::vector<float> shaped(voted.size());
   for (std::size_t i = 0; i < voted.size(); ++i) {
     const SpineSample& sample = samples.samples[i];
@@ -105,17 +118,17 @@ std::vector<float> sampleVisibility(const SpineSamples& samples, const DepthImag
     const int last = static_cast<int>(std::abs(sample.last));
     const int count = last - first + 1;
     std::uint32_t bits = 0;
-    for (int k = 0; k <= 2 * kMiddle; ++k) {
-      int j = static_cast<int>(i) + k - kMiddle;
+    for (int k = 0; k <= 2 * middle; ++k) {
+      int j = static_cast<int>(i) + k - middle;
       j = sample.last < 0.0F ? first + ((j - first) % count + count) % count
                              : std::clamp(j, first, last);
       bits |= std::uint32_t{voted[static_cast<std::size_t>(j)]} << k;
     }
-    bits = ~closeGaps(~closeGaps(bits));
-    const std::uint32_t here = (bits >> kMiddle) & 1U;
+    bits = ~closeGaps(~closeGaps(bits, closedGap), kShortRun);
+    const std::uint32_t here = (bits >> middle) & 1U;
     float distance = kRampSamples;
     for (int d = kRamp; d >= 1; --d) {
-      if (((bits >> (kMiddle + d)) & 1U) != here || ((bits >> (kMiddle - d)) & 1U) != here)
+      if (((bits >> (middle + d)) & 1U) != here || ((bits >> (middle - d)) & 1U) != here)
         distance = static_cast<float>(d) - 0.5F;
     }
     const float away = 0.5F * distance / kRampSamples;

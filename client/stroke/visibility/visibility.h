@@ -20,6 +20,14 @@ inline constexpr int kVoteRadius = 5;
 /// short go: neither can be told from what is right, and strokes do not flicker.
 inline constexpr int kShortRun = 2;
 
+/// The longest gap that may be closed, in samples: what the shaders look over at once.
+inline constexpr int kLongestGap = 8;
+
+/// Gaps, in samples, that are closed where lines are drawn as strokes: what hides a line for less
+/// than a stroke's width lies under its own outline's ink, and a break there is one of the drawing,
+/// not of the model.
+[[nodiscard]] int closedGap(float widthPx, float samplesPerPx = 1.0F);
+
 /// Distance from a place where a line goes hidden, in samples, over which visibility climbs from ½
 /// to 1.
 inline constexpr float kRampSamples = 5.5F;
@@ -29,9 +37,9 @@ inline constexpr float kRampSamples = 5.5F;
 /// CPU's counterpart and oracle of the renderer's visibility shaders; the same operations on the
 /// same numbers.
 /// depth: the mesh seen through the same camera, of any size with that aspect.
-[[nodiscard]] std::vector<float> sampleVisibility(
-    const SpineSamples& samples,
-    const DepthImage& depth);
+/// closedGap: gaps of so many samples are closed, kShortRun … kLongestGap.
+[[nodiscard]] std::vector<float>
+sampleVisibility(const SpineSamples& samples, const DepthImage& depth, int closedGap = kShortRun);
 
 /// The test alone: 1 visible, 0 hidden. A pixel is free when it holds no surface nearer than the
 /// line by more than its bias; a sample is visible when as many as it needs of the nine pixels at

@@ -97,6 +97,45 @@ gl::Target emptyDepth(const gl::Api& api) {
   return *std::move(depth);
 }
 
+TEST(VisibilityPass, ABridgeIsVisibleWhereWhatItJoinsIs) {
+  auto context = createGlContext(GlBackend::kEgl);
+  ASSERT_TRUE(context);
+  const gl::Api& api = (*context)->api();
+  auto strokePass = StrokePass::create(api);
+  ASSERT_TRUE(strokePass);
+  const gl::Target depth = emptyDepth(api);
+  // A visible line, a hidden one, and bridges between either and themselves.
+  constexpr int kCount = 10;
+  SpineSamples samples;
+  const auto add = [&](float bias, float neededFree, float joinedFrom, float joinedTo) {
+    const auto first = static_cast<float>(samples.samples.size());
+    for (int i = 0; i < kCount; ++i) {
+      SpineSample sample;
+      sample.position = glm::vec2(0.5F);
+      sample.depth = 0.5F;
+      sample.bias = bias;
+      sample.first = first;
+      sample.last = first + kCount - 1;
+      sample.neededFree = neededFree;
+      sample.spanFirst = neededFree == kAsJoined ? joinedFrom : first;
+      sample.spanLast = neededFree == kAsJoined ? joinedTo : sample.last;
+      samples.samples.push_back(sample);
+    }
+  };
+  add(0.01F, kFreeNeighbours, 0.0F, 0.0F);
+  add(-1.0F, kFreeNeighbours, 0.0F, 0.0F);
+  add(0.0F, kAsJoined, 5.0F, 5.0F);
+  add(0.0F, kAsJoined, 5.0F, 15.0F);
+  add(0.0F, kAsJoined, 15.0F, 5.0F);
+  ASSERT_TRUE(strokePass->findVisibility(samples, depth.depth()));
+  const std::vector<float> drawn = strokePass->readVisibility(samples.samples.size());
+  DepthImage empty{64, 64, {}};
+  empty.depth.assign(64 * 64, 1.0F);
+  EXPECT_EQ(drawn, sampleVisibility(samples, empty));
+  for (std::size_t i = 0; i < drawn.size(); ++i)
+    EXPECT_EQ(drawn[i], i < kCount || (i >= 2 * kCount && i < 3 * kCount) ? 1.0F : 0.0F) << i;
+}
+
 TEST(VisibilityPass, ALoopIsTheSameWhereverItBegins) {
   auto context = createGlContext(GlBackend::kEgl);
   ASSERT_TRUE(context);

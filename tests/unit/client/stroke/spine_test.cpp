@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stroke/spine.h"
 
+#include "tests/unit/client/stroke/flat_view.h"
+
 #include "shared/mesh/primitives.h"
 
 #include <gtest/gtest.h>
@@ -10,25 +12,6 @@
 
 namespace limn {
 namespace {
-
-/// Looks along −z at the plane z = 0, where one unit is one pixel and (0, 0) the picture's centre.
-struct FlatView {
-  FlatView() {
-    camera.eye = {0.0, 0.0, 300.0};
-    camera.orthographic = true;
-    camera.fovDegrees = glm::degrees(2.0 * std::atan(100.0 / 300.0));
-    camera.nearPlane = 1.0;
-    camera.farPlane = 600.0;
-    viewport = {200, 200};
-  }
-
-  [[nodiscard]] LineScene scene() const { return {mesh, {}, grid, camera, viewport}; }
-
-  HalfEdgeMesh mesh;
-  Grid grid;
-  Camera camera;
-  Viewport viewport;
-};
 
 PolylineSet lineOf(std::vector<glm::vec3> points, bool closed) {
   PolylineSet set;

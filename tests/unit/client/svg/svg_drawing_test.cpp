@@ -5,6 +5,7 @@
 #include "client/stroke/line_halo.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
+#include "client/stroke/visibility/visibility.h"
 #include "client/svg/clear_runs.h"
 #include "client/svg/crowded_runs.h"
 #include "client/svg/visible_runs.h"
@@ -45,6 +46,10 @@ class Drawn {
     return {mesh, shape.positions, shape.grid, camera, Viewport{800, 600}};
   }
 
+  [[nodiscard]] ResolveDrawn resolve() const {
+    return [this](std::span<const std::uint8_t>) { return resolved; };
+  }
+
   TriangleMesh shape;
   HalfEdgeMesh mesh;
   Camera camera;
@@ -68,7 +73,7 @@ bool has(const std::string& text, const std::string& part) {
 TEST(SvgDrawing, HasALayerForEachKindAndVisibilityWithItsLook) {
   const Drawn drawn;
   const std::string svg =
-      svgDrawing(drawn.lines, drawn.resolved, drawn.scene(), StrokeStyle{}, options());
+      svgDrawing(drawn.lines, drawn.resolve(), drawn.scene(), StrokeStyle{}, options());
   EXPECT_TRUE(has(svg, "inkscape:groupmode=\"layer\" inkscape:label=\"Silhouettes, visible\""));
   EXPECT_TRUE(has(svg, "stroke=\"#ff0000\" stroke-width=\"2.5\" stroke-linecap=\"round\""));
   EXPECT_TRUE(has(svg, "inkscape:label=\"Silhouettes, hidden\""));
@@ -81,7 +86,7 @@ TEST(SvgDrawing, HasALayerForEachKindAndVisibilityWithItsLook) {
 TEST(SvgDrawing, ALoopThatIsAllVisibleIsOneClosedPath) {
   const Drawn drawn(primitives::icosphere(4));
   const std::string svg =
-      svgDrawing(drawn.lines, drawn.resolved, drawn.scene(), StrokeStyle{}, options());
+      svgDrawing(drawn.lines, drawn.resolve(), drawn.scene(), StrokeStyle{}, options());
   EXPECT_EQ(svg.find("<path"), svg.rfind("<path"));
   EXPECT_TRUE(has(svg, "z\"/>"));
 }
@@ -91,7 +96,7 @@ TEST(SvgDrawing, LeavesHiddenLinesOutWhenTold) {
   SvgOptions without = options();
   without.hidden.reset();
   const std::string svg =
-      svgDrawing(drawn.lines, drawn.resolved, drawn.scene(), StrokeStyle{}, without);
+      svgDrawing(drawn.lines, drawn.resolve(), drawn.scene(), StrokeStyle{}, without);
   EXPECT_FALSE(has(svg, "hidden"));
   EXPECT_TRUE(has(svg, "<path"));
 }
@@ -109,7 +114,7 @@ TEST(SvgDrawing, DashesGoOnWhereALineComesOutAgain) {
   dashed.hidden->dashPx = {4.0F, 2.0F};
   dashed.periodPx = 60.0F;
   const std::string svg =
-      svgDrawing(drawn.lines, drawn.resolved, drawn.scene(), StrokeStyle{}, dashed);
+      svgDrawing(drawn.lines, drawn.resolve(), drawn.scene(), StrokeStyle{}, dashed);
   SpineSet spines = projectLines(drawn.lines, drawn.scene());
   smoothSpines(StrokeStyle{}.smoothPx, spines);
   const SpineArcs arcs = measureSpines(spines);
@@ -117,7 +122,7 @@ TEST(SvgDrawing, DashesGoOnWhereALineComesOutAgain) {
   freshParameters(spines, arcs, drawn.lines, 60.0F, parameters);
   std::size_t checked = 0;
   for (const VisibleRun& run :
-       cutAtVisibility(spines, arcs, drawn.lines, drawn.resolved, drawn.scene())) {
+       cutAtVisibility(spines, arcs, drawn.lines, drawn.resolved, drawn.scene(), kShortRun)) {
     const SpineSet::Spine& spine = spines.spines[run.spine];
     const double start = parameters.from[spine.begin];
     const double perPx = (parameters.to[spine.end - 1] - start) / arcs.length[run.spine];
@@ -155,7 +160,12 @@ TEST(SvgDrawing, AShortLineIsThinnerAndNotPaler) {
   ResolvedLines resolved;
   resolved.pieces.assign(2, {1.0F, true});
   resolved.begin = {0, 1, 1, 2, 2};
-  const std::string svg = svgDrawing(lines, resolved, drawn.scene(), StrokeStyle{}, options());
+  const std::string svg = svgDrawing(
+      lines,
+      [&](auto) { return resolved; },
+      drawn.scene(),
+      StrokeStyle{},
+      options());
   const std::size_t path = svg.rfind("<path");
   EXPECT_NE(path, svg.find("<path"));
   EXPECT_LT(numberOf(svg, "stroke-width", path), 0.95 * options().visible.widthPx);
@@ -166,8 +176,12 @@ TEST(SvgDrawing, ADrawingOfNothingIsStillADocument) {
   const Drawn drawn;
   ResolvedLines nothing;
   nothing.begin = {0};
-  const std::string svg =
-      svgDrawing(PolylineSet{}, nothing, drawn.scene(), StrokeStyle{}, options());
+  const std::string svg = svgDrawing(
+      PolylineSet{},
+      [&](auto) { return nothing; },
+      drawn.scene(),
+      StrokeStyle{},
+      options());
   EXPECT_TRUE(svg.ends_with("</g>\n</svg>\n"));
 }
 
@@ -226,11 +240,53 @@ TEST(CrowdedRuns, AHiddenRunIsCutWhereItPales) {
   EXPECT_EQ(parts.size(), 1U);
 }
 
+TEST(VisibleRuns, ABridgeIsVisibleWhereWhatItJoinsIs) {
+  // Two lines, the first one's left half hidden, with bridges from its ends to the second.
+  const Drawn drawn;
+  PolylineSet lines;
+  const glm::vec3 right(glm::normalize(glm::cross(drawn.camera.forward(), drawn.camera.up)));
+  const auto target = glm::vec3(drawn.shape.grid.fromModel(drawn.camera.target));
+  const float unit = 0.2F * glm::distance(glm::vec3(drawn.shape.positions.front()), target);
+  for (const float along : {-4.0F, -2.0F, 0.0F, 2.0F, 3.0F, 4.0F})
+    lines.points.push_back(target + unit * along * right);
+  lines.halfEdges.assign(6, kNone);
+  lines.faces.assign(6, kNone);
+  lines.lines = {{LineKind::kBorder, false, 0, 4}, {LineKind::kBorder, false, 4, 6}};
+  ResolvedLines resolved;
+  resolved.pieces = {{1.0F, false}, {1.0F, false}, {1.0F, true}, {1.0F, true}};
+  resolved.begin = {0, 1, 2, 3, 3, 4, 4};
+  SpineSet spines = projectLines(lines, drawn.scene());
+  ASSERT_EQ(spines.spines.size(), 2U);
+  const auto bridge = [&](SpineSet::Spine::Joint from, SpineSet::Spine::Joint to) {
+    SpineSet::Spine spine;
+    spine.joints = {from, to};
+    spine.begin = static_cast<std::uint32_t>(spines.points.size());
+    for (const std::uint32_t point : {from.point, to.point}) {
+      spines.points.push_back(spines.points[point]);
+      spines.exact.push_back(spines.points[point]);
+      spines.depth.push_back(spines.depth[point]);
+      spines.source.push_back(spines.source[point]);
+    }
+    spine.end = static_cast<std::uint32_t>(spines.points.size());
+    spines.spines.push_back(spine);
+  };
+  bridge({0, 3, true}, {1, 4, false});
+  bridge({0, 0, false}, {1, 4, false});
+  bridge({1, 5, true}, {0, 0, false});
+  std::vector<bool> visible;
+  for (const VisibleRun& run :
+       cutAtVisibility(spines, measureSpines(spines), lines, resolved, drawn.scene(), kShortRun)) {
+    if (run.spine >= 2) visible.push_back(run.visible);
+  }
+  EXPECT_EQ(visible, (std::vector<bool>{true, false, false}));
+}
+
 TEST(VisibleRuns, CoverEverySpineAndShareTheirCuts) {
   const Drawn drawn;
   const SpineSet spines = projectLines(drawn.lines, drawn.scene());
   const SpineArcs arcs = measureSpines(spines);
-  const auto runs = cutAtVisibility(spines, arcs, drawn.lines, drawn.resolved, drawn.scene());
+  const auto runs =
+      cutAtVisibility(spines, arcs, drawn.lines, drawn.resolved, drawn.scene(), kShortRun);
   std::vector<float> covered(spines.spines.size(), 0.0F);
   bool someVisible = false;
   bool someHidden = false;

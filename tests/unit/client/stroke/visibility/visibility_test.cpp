@@ -77,6 +77,28 @@ TEST(Visibility, SpecklesShorterThanTheFilterVanish) {
   EXPECT_EQ(std::count(raw.begin(), raw.end(), 1), 3);
 }
 
+TEST(Visibility, GapsAsShortAsAStrokeIsWideAreClosed) {
+  // Five samples are hidden for sure, and the line is cut there.
+  SpineSamples samples = row(100);
+  for (std::size_t i = 0; i < 100; ++i) {
+    SpineSample& sample = samples.samples[i];
+    if (i >= 40 && i < 45) sample.bias = -1.0F;
+    sample.spanFirst = i < 40 ? 0.0F : (i < 45 ? 40.0F : 45.0F);
+    sample.spanLast = i < 40 ? 39.0F : (i < 45 ? 44.0F : 99.0F);
+  }
+  const auto hiddenWith = [&](int closed) {
+    const std::vector<float> seen = sampleVisibility(samples, wall(100, 0, 0), closed);
+    return std::count_if(seen.begin(), seen.end(), [](float v) { return v < 0.5F; });
+  };
+  EXPECT_EQ(hiddenWith(kShortRun), 5);
+  EXPECT_EQ(hiddenWith(4), 5);
+  EXPECT_EQ(hiddenWith(5), 0);
+  EXPECT_EQ(hiddenWith(kLongestGap), 0);
+  EXPECT_EQ(closedGap(5.2F), 5);
+  EXPECT_EQ(closedGap(0.5F), kShortRun);
+  EXPECT_EQ(closedGap(50.0F), kLongestGap);
+}
+
 TEST(Visibility, ASilhouetteAsksOnlyItsOutwardSide) {
   // The wall begins at column 50; a silhouette at 49.5 with the wall on its inner side is visible,
   // one whose outward side is under the wall is not, although its other side is free.

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/stroke/chain/polyline.h"
+#include "client/stroke/line_scene.h"
+#include "client/stroke/spine.h"
+
+namespace limn {
+
+/// Takes swallowtails out of smooth silhouettes: where a contour runs to a cusp, back behind its
+/// own surface and on from a second cusp, its two visible branches cross or touch, and what sticks
+/// out beyond is a hook, what lies between a break. Those along which the line is at most reachPx
+/// long go, so that one branch goes on as the other. Of `lines` in `scene`, before any smoothing.
+/// Cost: O(points).
+void cutFoldBacks(
+    const PolylineSet& lines,
+    const LineScene& scene,
+    float reachPx,
+    SpineSet& spines);
+
+}  // namespace limn
