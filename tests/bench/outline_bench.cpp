@@ -1,20 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gaps of outlines: places where a model's depth image says that something ends and the drawing has
-// no line near, with the lines that limn-client draws, in ink, 1024 x 1024, three views. One line
-// of JSON a view, on stdout, the largest gaps with their places.
+// Flaws of drawings with the lines that limn-client draws, in ink, 1024 x 1024, three views. One
+// line of JSON a view, on stdout, the largest of each with their places.
 //   limn-outline-bench [--out DIR] [--camera AZIMUTH,ELEVATION] MODEL-FILE...
-//   MODEL-FILE: names of models as tests/corpus knows them. --out: each view as a PNG, what has no
-//   line marked red.
+//   MODEL-FILE: names of models as tests/corpus knows them. --out: each view as a PNG, flaws
+//   framed.
+// Gaps of outlines (red): places where a model's depth image says that something ends and the
+// drawing has no line near. What the picture alone tells: breaks (blue), where a line ends and
+// seems to go on a few pixels further; doubled lines (orange), two that lie so close together for a
+// while that they look like one drawn twice, with paper between them or without.
 #include "client/apps/line_finder.h"
 #include "client/render/image_io.h"
 #include "client/render/renderer.h"
 #include "tests/corpus/corpus.h"
+#include "tests/unit/client/render/line_flaws.h"
 #include "tests/unit/client/render/outline_gaps.h"
 
 #include "shared/mesh/feature_edges.h"
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -34,6 +40,12 @@ constexpr double kCreaseDegrees = 40.0;  // limn-prepare's
 /// Gaps shorter than this are counted in pixels only.
 constexpr int kLeastGapPx = 3;
 constexpr std::size_t kMostListed = 12;
+
+using Colour = std::array<std::uint8_t, 3>;
+
+constexpr Colour kRed = {255, 0, 0};
+constexpr Colour kBlue = {0, 64, 255};
+constexpr Colour kOrange = {255, 140, 0};
 
 struct Arguments {
   std::optional<std::filesystem::path> out;
@@ -61,19 +73,42 @@ std::shared_ptr<const MeshSnapshot> snapshotOf(const corpus::Mesh& model, std::u
   return snapshot;
 }
 
-void markRed(const outline::Gap& gap, Image& picture) {
-  for (int y = gap.low.y - 4; y <= gap.high.y + 4; ++y) {
-    for (int x = gap.low.x - 4; x <= gap.high.x + 4; ++x) {
-      const bool isFrame =
-          y == gap.low.y - 4 || y == gap.high.y + 4 || x == gap.low.x - 4 || x == gap.high.x + 4;
+/// A frame around what lies between two corners.
+void mark(glm::ivec2 low, glm::ivec2 high, const Colour& colour, Image& picture) {
+  for (int y = low.y - 4; y <= high.y + 4; ++y) {
+    for (int x = low.x - 4; x <= high.x + 4; ++x) {
+      const bool isFrame = y == low.y - 4 || y == high.y + 4 || x == low.x - 4 || x == high.x + 4;
       if (!isFrame || x < 0 || y < 0 || x >= picture.width || y >= picture.height) continue;
       const std::size_t i =
           4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
                static_cast<std::size_t>(x));
-      picture.rgba[i] = 255;
-      picture.rgba[i + 1] = picture.rgba[i + 2] = 0;
+      std::copy(
+          colour.begin(),
+          colour.end(),
+          picture.rgba.begin() + static_cast<std::ptrdiff_t>(i));
     }
   }
+}
+
+double totalPx(const std::vector<flaws::Flaw>& found) {
+  double px = 0.0;
+  for (const flaws::Flaw& flaw : found)
+    px += flaw.px;
+  return px;
+}
+
+void printLargest(const char* name, const std::vector<flaws::Flaw>& found) {
+  std::printf(",\"%s\":[", name);
+  for (std::size_t i = 0; i < std::min(found.size(), kMostListed); ++i) {
+    const glm::ivec2 middle = (found[i].low + found[i].high) / 2;
+    std::printf(
+        "%s{\"at\":[%d,%d],\"px\":%.1f}",
+        i == 0 ? "" : ",",
+        middle.x,
+        middle.y,
+        found[i].px);
+  }
+  std::printf("]");
 }
 
 bool run(
@@ -134,11 +169,24 @@ bool run(
           gap.extent(),
           gap.isOuter ? "true" : "false");
     }
-    std::printf("]}\n");
+    std::printf("]");
+    const flaws::Flaws drawn = flaws::find(drawing->image);
+    std::printf(
+        ",\"breaks\":%zu,\"break_px\":%.0f,\"doubled_px\":%.0f",
+        drawn.breaks.size(),
+        totalPx(drawn.breaks),
+        totalPx(drawn.doubles));
+    printLargest("largest_breaks", drawn.breaks);
+    printLargest("largest_doubles", drawn.doubles);
+    std::printf("}\n");
     std::fflush(stdout);
     if (!arguments.out) continue;
     for (std::size_t i = 0; i < count; ++i)
-      markRed(found.gaps[i], drawing->image);
+      mark(found.gaps[i].low, found.gaps[i].high, kRed, drawing->image);
+    for (const flaws::Flaw& flaw : drawn.breaks)
+      mark(flaw.low, flaw.high, kBlue, drawing->image);
+    for (const flaws::Flaw& flaw : drawn.doubles)
+      mark(flaw.low, flaw.high, kOrange, drawing->image);
     const std::string name = std::filesystem::path(file).stem().string() + "_" +
                              std::to_string(static_cast<int>(azimuth)) + "_" +
                              std::to_string(static_cast<int>(elevation)) + ".png";

@@ -4,6 +4,7 @@
 #include "client/render/image.h"
 #include "client/stroke/view_distance.h"
 #include "client/stroke/visibility/depth_image.h"
+#include "tests/unit/client/render/pixel_groups.h"
 
 #include "shared/core/camera.h"
 
@@ -111,41 +112,24 @@ inline Gaps findGaps(
     }
     return false;
   };
-  std::vector<std::uint8_t> missed(marks.size(), 0);
+  PixelMarks missed{width, height, std::vector<std::uint8_t>(marks.size(), 0)};
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       if (marks[at(x, y)] == 0) continue;
       ++result.outlinePixels;
       if (hasLine(x, y)) continue;
       ++result.missed;
-      missed[at(x, y)] = marks[at(x, y)];
+      missed.marks[at(x, y)] = marks[at(x, y)];
     }
   }
-  std::vector<glm::ivec2> open;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      if (missed[at(x, y)] == 0) continue;
-      Gap gap{{x, y}, {x, y}, 0, false};
-      open.assign(1, {x, y});
-      gap.isOuter = missed[at(x, y)] == 2;
-      missed[at(x, y)] = 0;
-      while (!open.empty()) {
-        const glm::ivec2 p = open.back();
-        open.pop_back();
-        ++gap.pixels;
-        gap.low = glm::min(gap.low, p);
-        gap.high = glm::max(gap.high, p);
-        for (int v = std::max(0, p.y - 2); v <= std::min(height - 1, p.y + 2); ++v) {
-          for (int u = std::max(0, p.x - 2); u <= std::min(width - 1, p.x + 2); ++u) {
-            if (missed[at(u, v)] == 0) continue;
-            gap.isOuter = gap.isOuter || missed[at(u, v)] == 2;
-            missed[at(u, v)] = 0;
-            open.emplace_back(u, v);
-          }
-        }
-      }
-      result.gaps.push_back(gap);
+  for (const std::vector<glm::ivec2>& group : pixelGroups(missed, 2)) {
+    Gap gap{group.front(), group.front(), static_cast<int>(group.size()), false};
+    for (const glm::ivec2& p : group) {
+      gap.low = glm::min(gap.low, p);
+      gap.high = glm::max(gap.high, p);
+      gap.isOuter = gap.isOuter || missed.at(p) == 2;
     }
+    result.gaps.push_back(gap);
   }
   std::stable_sort(result.gaps.begin(), result.gaps.end(), [](const Gap& a, const Gap& b) {
     return a.extent() > b.extent();
