@@ -141,6 +141,7 @@ StrokePass::findVisibility(const SpineSamples& samples, const gl::Texture& depth
   testProgram_.use();
   testProgram_.set("samples", 0);
   testProgram_.set("depthMap", 1);
+  testProgram_.set("farther", samples.farther);
   gl::bindTexture(*api_, 1, depth);
   fill(tested_);
 

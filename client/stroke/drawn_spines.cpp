@@ -7,6 +7,9 @@
 namespace limn {
 namespace {
 
+/// Points nearer than this in the picture are one.
+constexpr float kMergePx = 0.35F;
+
 /// Swallowtails are cut that reach so many widths of a stroke beyond where their branches meet.
 constexpr float kFoldBackWidths = 2.0F;
 
@@ -19,9 +22,8 @@ void DrawnSpines::find(
     const PolylineSet& lines,
     const LineScene& scene,
     const StrokeStyle& style,
-    float widthPx,
-    float mergePx) {
-  projector_.project(lines, scene, mergePx, spines);
+    float widthPx) {
+  projector_.project(lines, scene, kMergePx, spines);
   fadeLines(spines, style, scene, fades);
   dropFaded(spines, fades);
   cutFoldBacks(lines, scene, kFoldBackWidths * widthPx, spines);

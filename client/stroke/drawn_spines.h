@@ -18,14 +18,10 @@ struct DrawnSpines {
   std::vector<LineFade> fades;  // parallel to spines.spines
 
   /// Lines to spines: projected, too small ones left out, swallowtails cut (cutFoldBacks), joined
-  /// over short gaps (bridgeCusps); not smoothed. widthPx: of the ink; mergePx: see
-  /// SpineProjector::project. Fills all of it anew. Cost: O(points + spines · log spines).
-  void find(
-      const PolylineSet& lines,
-      const LineScene& scene,
-      const StrokeStyle& style,
-      float widthPx,
-      float mergePx);
+  /// over short gaps (bridgeCusps); not smoothed. widthPx: of the ink. Fills all of it anew.
+  /// Cost: O(points + spines · log spines).
+  void
+  find(const PolylineSet& lines, const LineScene& scene, const StrokeStyle& style, float widthPx);
 
  private:
   SpineProjector projector_;

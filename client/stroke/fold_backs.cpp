@@ -41,13 +41,17 @@ class FoldFinder {
   std::uint32_t keep(SpineSet::Spine& spine, std::uint32_t size) {
     const std::uint32_t begin = size;
     const bool isFoldable = mayFold(spine);
-    std::uint32_t turn = spine.begin;  // where it turns back next
     std::uint32_t i = spine.begin;
+    // Where it turns back next, and again: a swallowtail does twice.
+    std::uint32_t turn = isFoldable ? nextTurn(spine, i + 1) : spine.end;
+    std::uint32_t again = nextTurn(spine, turn + 1);
     while (i < spine.end) {
       move(i, size++);
-      if (turn <= i) turn = nextTurn(spine, i + 1);
-      const bool isNear = isFoldable && turn < spine.end &&
-                          glm::distance(spines_.points[i], spines_.points[turn]) < reachPx_;
+      while (turn <= i) {
+        turn = again;
+        again = nextTurn(spine, turn + 1);
+      }
+      const bool isNear = again < spine.end && isInReach(i, turn) && isInReach(i, again);
       i = isNear ? endOfFold(spine, i) : i + 1;
     }
     spine.begin = begin;
@@ -62,6 +66,11 @@ class FoldFinder {
     while (i + 1 < spine.end && !turnsBack(spines_.points, i))
       ++i;
     return i + 1 < spine.end ? i : spine.end;
+  }
+
+  [[nodiscard]] bool isInReach(std::uint32_t a, std::uint32_t b) const {
+    const glm::vec2 step = spines_.points[b] - spines_.points[a];
+    return glm::dot(step, step) < reachPx_ * reachPx_;
   }
 
   [[nodiscard]] bool mayFold(const SpineSet::Spine& spine) const {

@@ -11,6 +11,9 @@
 namespace limn {
 namespace {
 
+/// Points nearer than this in the picture are one point, whatever the use.
+constexpr float kSamePx = 0.05F;
+
 /// How far before its end a line is asked whether it is visible there, pixels.
 constexpr float kBeforeJointPx = 2.0F;
 

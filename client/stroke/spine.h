@@ -53,9 +53,6 @@ struct SpineSet {
   std::vector<Spine> spines;
 };
 
-/// Points nearer than this in the picture are one point, whatever the use.
-inline constexpr float kSamePx = 0.05F;
-
 /// Whether a line turns by more than a right angle at point i, which has one before and one after
 /// it.
 [[nodiscard]] inline bool turnsBack(const std::vector<glm::vec2>& points, std::uint32_t i) {

@@ -31,13 +31,14 @@ BuiltStrokes StrokeBuilder::build(
     const LineScene& scene,
     const StrokeStyle& style,
     const StrokeBuildOptions& options) {
-  drawn_.find(lines, scene, style, options.widthPx, options.mergePx);
+  drawn_.find(lines, scene, style, options.widthPx);
   SpineSet& spines = drawn_.spines;
   smoothSpines(style.smoothPx, spines);
   measureSpines(spines, arcs_);
   markDrawn(spines, lines.points.size(), isDrawn_);
   spanFinder_.find(lines, isDrawn_, scene, spans_);
   sampleSpines(spines, arcs_, spans_, scene.viewport, options.samples, samples_);
+  nested_.find(scene.viewport, options.widthPx, samples_);
   const float period = texturePeriod(style, options.widthPx);
   coherence_.assign(spines, arcs_, lines, scene, period, parameters_);
   findWidths(lines, scene.camera, options.widthFalloff);

@@ -5,6 +5,7 @@
 #include "client/stroke/coherent_parameters.h"
 #include "client/stroke/drawn_spines.h"
 #include "client/stroke/line_scene.h"
+#include "client/stroke/nested_contours.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
 #include "client/stroke/style.h"
@@ -22,7 +23,6 @@ struct StrokeBuildOptions {
   float widthFalloff =
       0.0F;  // width goes with distance to the power of −this: 0 never, 1 as the model
   Brush brush{};
-  float mergePx = 0.35F;  // spine points closer than this are one
   SampleOptions samples{};
 };
 
@@ -64,6 +64,7 @@ class StrokeBuilder {
   std::vector<std::uint8_t> isDrawn_;  // by point
   LineSpans spans_;
   SpineSamples samples_;
+  NestedContours nested_;
   SpineParameters parameters_;
   std::vector<float> widths_;
   CoherentParameters coherence_;

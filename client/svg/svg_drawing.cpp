@@ -2,9 +2,12 @@
 #include "client/svg/svg_drawing.h"
 
 #include "client/stroke/drawn_spines.h"
+#include "client/stroke/nested_contours.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
 #include "client/stroke/stroke_builder.h"
+#include "client/stroke/visibility/line_spans.h"
+#include "client/stroke/visibility/spine_samples.h"
 #include "client/stroke/visibility/visibility.h"
 #include "client/svg/clear_runs.h"
 #include "client/svg/crowded_runs.h"
@@ -226,7 +229,7 @@ std::string svgDrawing(
     const SvgOptions& options) {
   // The picture's own steps, so that its strokes run where these do.
   DrawnSpines drawn;
-  drawn.find(lines, scene, style, options.inkPx, kSamePx);
+  drawn.find(lines, scene, style, options.inkPx);
   SpineSet& spines = drawn.spines;
   const std::vector<LineFade>& fades = drawn.fades;
   std::vector<std::uint8_t> isDrawn;
@@ -234,10 +237,14 @@ std::string svgDrawing(
   const ResolvedLines resolved = resolve(isDrawn);
   smoothSpines(style.smoothPx, spines);
   const SpineArcs arcs = measureSpines(spines);
+  LineSpans spans;
+  LineSpanFinder().find(lines, isDrawn, scene, spans);
+  SpineSamples samples = sampleSpines(spines, arcs, spans, scene.viewport);
+  NestedContours().find(scene.viewport, options.inkPx, samples);
   SpineParameters parameters;
   freshParameters(spines, arcs, lines, options.periodPx, parameters);
   std::vector<VisibleRun> runs =
-      cutAtVisibility(spines, arcs, lines, resolved, scene, closedGap(options.inkPx));
+      cutAtVisibility(spines, arcs, lines, resolved, scene, samples, closedGap(options.inkPx));
 
   const LineDensity density = densityOf(runs, scene.viewport, options.hiddenAsVisible);
   if (options.hidden && !options.hiddenAsVisible) {

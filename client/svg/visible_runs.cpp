@@ -30,6 +30,7 @@ class SpineCutter {
       const PolylineSet& lines,
       const ResolvedLines& resolved,
       const LineScene& scene,
+      const SpineSamples& samples,
       int closedGap)
       : spines_(spines),
         arcs_(arcs),
@@ -37,8 +38,26 @@ class SpineCutter {
         resolved_(resolved),
         viewport_(scene.viewport),
         clipFromGrid_(clipFromGrid(scene)),
+        samples_(samples),
         closedGap_(closedGap) {}
 
+  /// Which samples of a spine are visible, whatever is drawn.
+  void see(std::uint32_t index) {
+    isSeen_.resize(samples_.samples.size(), 0);
+    length_ = arcs_.length[index];
+    const SpineSet::Spine& spine = spines_.spines[index];
+    if (!(length_ > 0.0F) || spine.isBridge()) return;
+    collect(spine);
+    join();
+    std::size_t k = 0;
+    for (std::uint32_t i = samples_.begin[index]; i < endOfSamples(index); ++i) {
+      while (k + 1 < stretches_.size() && stretches_[k].end < arcOf(index, i))
+        ++k;
+      isSeen_[i] = stretches_[k].visible ? 1 : 0;
+    }
+  }
+
+  /// After see() of every spine.
   void cut(std::uint32_t index, std::vector<VisibleRun>& out) {
     const SpineSet::Spine& spine = spines_.spines[index];
     length_ = arcs_.length[index];
@@ -50,6 +69,7 @@ class SpineCutter {
     } else {
       collect(spine);
       join();
+      leaveOutDoubled(index);
       suppress(spine.closed, false, shortestPx(closedGap_));
       suppress(spine.closed, true, shortestPx(kShortRun));
     }
@@ -57,6 +77,40 @@ class SpineCutter {
   }
 
  private:
+  [[nodiscard]] std::uint32_t endOfSamples(std::uint32_t index) const {
+    return index + 1 < samples_.begin.size() ? samples_.begin[index + 1]
+                                             : static_cast<std::uint32_t>(samples_.samples.size());
+  }
+
+  [[nodiscard]] float arcOf(std::uint32_t index, std::uint32_t sample) const {
+    return static_cast<float>(sample - samples_.begin[index]) / samples_.perPx[index];
+  }
+
+  [[nodiscard]] bool isDoubled(std::uint32_t sample) const {
+    const float outer = samples_.samples[sample].nestedIn;
+    return outer >= 0.0F && isSeen_[static_cast<std::size_t>(outer)] != 0;
+  }
+
+  /// Makes stretches hidden around samples that are nested in what is seen.
+  void leaveOutDoubled(std::uint32_t index) {
+    whole_.swap(stretches_);
+    stretches_.clear();
+    std::uint32_t sample = samples_.begin[index];
+    const std::uint32_t end = endOfSamples(index);
+    for (const Stretch& stretch : whole_) {
+      // A sample stands for the half pixel to either side of it.
+      for (; sample + 1 < end && arcOf(index, sample) + 0.5F / samples_.perPx[index] < stretch.end;
+           ++sample) {
+        if (isDoubled(sample) != isDoubled(sample + 1))
+          stretches_.push_back(
+              {arcOf(index, sample) + 0.5F / samples_.perPx[index],
+               stretch.visible && !isDoubled(sample)});
+      }
+      stretches_.push_back({stretch.end, stretch.visible && !isDoubled(sample)});
+    }
+    join();
+  }
+
   [[nodiscard]] std::uint32_t after(const SpineSet::Spine& spine, std::uint32_t i) const {
     return i + 1 < spine.end ? i + 1 : spine.begin;
   }
@@ -222,11 +276,14 @@ class SpineCutter {
   const ResolvedLines& resolved_;
   Viewport viewport_;
   glm::dmat4 clipFromGrid_;
+  const SpineSamples& samples_;
   int closedGap_;
+  std::vector<std::uint8_t> isSeen_;  // by sample
   // Of the spine at hand.
   float length_ = 0.0F;
   std::uint32_t line_ = 0;
   std::vector<Stretch> stretches_;
+  std::vector<Stretch> whole_;  // what it was
 };
 
 }  // namespace
@@ -237,9 +294,12 @@ std::vector<VisibleRun> cutAtVisibility(
     const PolylineSet& lines,
     const ResolvedLines& resolved,
     const LineScene& scene,
+    const SpineSamples& samples,
     int closedGap) {
   std::vector<VisibleRun> runs;
-  SpineCutter cutter(spines, arcs, lines, resolved, scene, closedGap);
+  SpineCutter cutter(spines, arcs, lines, resolved, scene, samples, closedGap);
+  for (std::uint32_t i = 0; i < spines.spines.size(); ++i)
+    cutter.see(i);
   for (std::uint32_t i = 0; i < spines.spines.size(); ++i)
     cutter.cut(i, runs);
   return runs;

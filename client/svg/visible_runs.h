@@ -5,6 +5,7 @@
 #include "client/stroke/line_scene.h"
 #include "client/stroke/spine.h"
 #include "client/stroke/visibility/resolved_visibility.h"
+#include "client/stroke/visibility/spine_samples.h"
 
 #include <glm/glm.hpp>
 
@@ -26,13 +27,16 @@ struct VisibleRun {
 /// what is right go as in the picture (closedGap and kShortRun in
 /// client/stroke/visibility/visibility.h). Every spine's runs cover it whole and share their cuts'
 /// points; a loop that changes nowhere stays a loop; a bridge is visible where what it joins is.
-/// spines and arcs: of `lines` in `scene`; resolved: of the same. Cost: O(points + bridges · runs).
+/// spines and arcs: of `lines` in `scene`; resolved: of the same; samples: of the spines, those of
+/// contours that are nested in visible ones (NestedContours) count as hidden. Cost: O(points +
+/// samples + bridges · runs).
 [[nodiscard]] std::vector<VisibleRun> cutAtVisibility(
     const SpineSet& spines,
     const SpineArcs& arcs,
     const PolylineSet& lines,
     const ResolvedLines& resolved,
     const LineScene& scene,
+    const SpineSamples& samples,
     int closedGap);
 
 }  // namespace limn

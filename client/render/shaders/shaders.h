@@ -58,6 +58,7 @@ precision highp float;
 precision highp int;
 uniform highp sampler2D samples;  // three texels a sample, see SpineSample
 uniform highp sampler2D depthMap;
+uniform float farther;
 out float visible;
 int freeAround(vec2 place, vec2 outward, float limit) {
   ivec2 size = textureSize(depthMap, 0);
@@ -78,13 +79,14 @@ void main() {
   visible = 0.0;
   if (line.w < 0.0) return;
   vec2 outward = texelFetch(samples, ivec2(3 * cell.x + 1, cell.y), 0).xy;
-  vec2 asking = texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0).zw;
+  float neededFree = texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0).z;
+  int needed = int(abs(neededFree));
   vec2 size = vec2(textureSize(depthMap, 0));
   vec2 place = line.xy * size;
   float limit = line.z - line.w;
-  bool isFree = freeAround(place, outward, limit) >= int(asking.x);
-  if (!isFree && asking.y > 0.0)
-    isFree = freeAround(place + asking.y * size.y * outward, outward, limit) >= int(asking.x);
+  bool isFree = freeAround(place, outward, limit) >= needed;
+  if (!isFree && neededFree < 0.0)
+    isFree = freeAround(place + farther * size.y * outward, outward, limit) >= needed;
   visible = isFree ? 1.0 : 0.0;
 }
 )";
@@ -104,7 +106,7 @@ void main() {
   visible = 0.0;
   if (texelFetch(samples, ivec2(3 * cell.x, cell.y), 0).w < 0.0) return;
   vec2 spine = texelFetch(samples, ivec2(3 * cell.x + 1, cell.y), 0).zw;
-  vec3 span = texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0).xyz;
+  vec4 span = texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0);
   int first = int(span.x);
   int last = int(span.y);
   if (span.z == 0.0) {  // kAsJoined
@@ -127,7 +129,10 @@ void main() {
     sum += texelFetch(tested, ivec2(j % width, j / width), 0).r;
     weight += 1.0;
   }
-  visible = 2.0 * sum >= weight ? 1.0 : 0.0;
+  int nestedIn = int(span.w);
+  bool isDoubled =
+      nestedIn >= 0 && texelFetch(tested, ivec2(nestedIn % width, nestedIn / width), 0).r > 0.5;
+  visible = 2.0 * sum >= weight && !isDoubled ? 1.0 : 0.0;
 }
 )";
 

@@ -9,18 +9,20 @@
 namespace limn {
 namespace {
 
+float fartherIn(const Viewport& viewport) {
+  return kFartherPx / static_cast<float>(viewport.height);
+}
+
 /// Adds what its span, and its segment, say about a sample.
 void applySpan(
     const LineSpans& spans,
     std::uint32_t span,
     std::uint32_t point,
-    const Viewport& viewport,
     SpineSample& sample) {
   const LineSpans::State state = spans.states[span];
   if (state == LineSpans::State::kHidden) sample.bias = -1.0F;
   if (state == LineSpans::State::kDoubtful) sample.neededFree = kDoubtfulNeighbours;
-  if (spans.isNearest[point] != 0)
-    sample.farther = kFartherPx / static_cast<float>(viewport.height);
+  if (spans.isNearest[point] != 0) sample.neededFree = -sample.neededFree;
 }
 
 /// Adds the samples of a bridge. The spines that it joins have theirs.
@@ -93,6 +95,7 @@ void sampleSpines(
   const double spacing = std::max<double>(options.spacingPx, total / room);
 
   const glm::vec2 toFraction(1.0F / viewport.width, 1.0F / viewport.height);
+  out.farther = fartherIn(viewport);
   out.samples.clear();
   out.source.clear();
   out.begin.clear();
@@ -152,7 +155,7 @@ void sampleSpines(
       sample.outward = outward;
       sample.first = static_cast<float>(first);
       sample.last = spine.closed ? -last : last;
-      applySpan(spans, span, source, viewport, sample);
+      applySpan(spans, span, source, sample);
       if (i > 0 && span != before) {
         bindSamples(spanFirst, first + i, out);
         spanFirst = first + i;
@@ -172,6 +175,7 @@ sampleSegments(const PolylineSet& lines, const LineSpans& spans, const LineScene
   const glm::dmat4 toClip = clipFromGrid(scene);
   const glm::dvec2 size(scene.viewport.width, scene.viewport.height);
   SpineSamples out;
+  out.farther = fartherIn(scene.viewport);
   std::size_t spanFirst = 0;
   std::uint32_t last = kNone;  // span
   for (const PolylineSet::Line& line : lines.lines) {
@@ -202,7 +206,7 @@ sampleSegments(const PolylineSet& lines, const LineSpans& spans, const LineScene
         sample.bias = facts.bias;
         sample.neededFree = kFreeNeighbours;
         const std::uint32_t at = spans.spanAt(point, static_cast<float>(t));
-        applySpan(spans, at, point, scene.viewport, sample);
+        applySpan(spans, at, point, sample);
         if (at != last) bindSamples(spanFirst, out.samples.size(), out);
         if (at != last) spanFirst = out.samples.size();
         last = at;

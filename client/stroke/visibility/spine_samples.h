@@ -44,10 +44,11 @@ struct SpineSample {
   /// closed spine first … |last| where that goes round.
   float spanFirst = 0.0F;
   float spanLast = 0.0F;
+  /// Negated: where as many are not free, it is asked once more SpineSamples::farther outwards.
   float neededFree = kFreeNeighbours;
-  /// How much farther outwards it is asked once more, if it is not free, as a fraction of the
-  /// picture's height.
-  float farther = 0.0F;
+  /// Index of the sample of another contour just outside: where that is visible, this one is not
+  /// drawn (NestedContours); < 0: none.
+  float nestedIn = -1.0F;
 };
 
 static_assert(sizeof(SpineSample) == 12 * sizeof(float));
@@ -59,6 +60,7 @@ struct SpineSamples {
   /// begin[s] + perPx[s] · arc.
   std::vector<std::uint32_t> begin;
   std::vector<float> perPx;
+  float farther = 0.0F;  // kFartherPx as a fraction of the picture's height
 };
 
 struct SampleOptions {

@@ -33,20 +33,18 @@ int freeAround(const SpineSample& sample, const glm::vec2& place, const DepthIma
 
 }  // namespace
 
-std::vector<std::uint8_t> testSamples(
-    std::span<const SpineSample> samples,
-    const DepthImage& depth) {
-  std::vector<std::uint8_t> visible(samples.size(), 0);
+std::vector<std::uint8_t> testSamples(const SpineSamples& samples, const DepthImage& depth) {
+  std::vector<std::uint8_t> visible(samples.samples.size(), 0);
   const glm::vec2 size(depth.width, depth.height);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const SpineSample& sample = samples[i];
+  for (std::size_t i = 0; i < visible.size(); ++i) {
+    const SpineSample& sample = samples.samples[i];
     if (sample.bias < 0.0F) continue;
-    const int needed = static_cast<int>(sample.neededFree);
+    const int needed = static_cast<int>(std::abs(sample.neededFree));
     const glm::vec2 place = sample.position * size;
     bool isFree = freeAround(sample, place, depth) >= needed;
-    if (!isFree && sample.farther > 0.0F)
+    if (!isFree && sample.neededFree < 0.0F)
       isFree =
-          freeAround(sample, place + sample.farther * size.y * sample.outward, depth) >= needed;
+          freeAround(sample, place + samples.farther * size.y * sample.outward, depth) >= needed;
     visible[i] = isFree ? 1 : 0;
   }
   return visible;
@@ -80,7 +78,9 @@ std::vector<std::uint8_t> voteInSpans(
       sum += tested[static_cast<std::size_t>(j)];
       ++weight;
     }
-    visible[i] = 2 * sum >= weight ? 1 : 0;
+    const bool isDoubled =
+        sample.nestedIn >= 0.0F && tested[static_cast<std::size_t>(sample.nestedIn)] != 0;
+    visible[i] = 2 * sum >= weight && !isDoubled ? 1 : 0;
   }
   return visible;
 }
@@ -107,8 +107,7 @@ int closedGap(float widthPx, float samplesPerPx) {
 
 std::vector<float>
 sampleVisibility(const SpineSamples& samples, const DepthImage& depth, int closedGap) {
-  const std::vector<std::uint8_t> voted =
-      voteInSpans(samples.samples, testSamples(samples.samples, depth));
+  const std::vector<std::uint8_t> voted = voteInSpans(samples.samples, testSamples(samples, depth));
   constexpr int kRamp = static_cast<int>(kRampSamples);
   const int middle = kRamp + closedGap + kShortRun;
   std::vector<float> shaped(voted.size());
@@ -143,8 +142,7 @@ segmentVisibility(const PolylineSet& lines, const LineScene& scene, const DepthI
   if (depth.width < 1 || depth.height < 1) return visible;
   const LineSpans spans = findSpans(lines, scene);
   const SpineSamples samples = sampleSegments(lines, spans, scene);
-  const std::vector<std::uint8_t> found =
-      voteInSpans(samples.samples, testSamples(samples.samples, depth));
+  const std::vector<std::uint8_t> found = voteInSpans(samples.samples, testSamples(samples, depth));
   for (std::size_t i = 0; i < found.size();) {
     const std::uint32_t point = samples.source[i];
     const std::size_t begin = i;

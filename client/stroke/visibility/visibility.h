@@ -45,7 +45,7 @@ sampleVisibility(const SpineSamples& samples, const DepthImage& depth, int close
 /// line by more than its bias; a sample is visible when as many as it needs of the nine pixels at
 /// and around it are (of a silhouette: of those on its outward side). Threads: reentrant.
 [[nodiscard]] std::vector<std::uint8_t> testSamples(
-    std::span<const SpineSample> samples,
+    const SpineSamples& samples,
     const DepthImage& depth);
 
 /// The majority of what was tested (of testSamples), sample by sample.

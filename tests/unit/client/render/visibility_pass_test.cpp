@@ -136,6 +136,38 @@ TEST(VisibilityPass, ABridgeIsVisibleWhereWhatItJoinsIs) {
     EXPECT_EQ(drawn[i], i < kCount || (i >= 2 * kCount && i < 3 * kCount) ? 1.0F : 0.0F) << i;
 }
 
+TEST(VisibilityPass, ANestedContourIsDrawnWhereTheOuterOneIsNotVisible) {
+  auto context = createGlContext(GlBackend::kEgl);
+  ASSERT_TRUE(context);
+  const gl::Api& api = (*context)->api();
+  auto strokePass = StrokePass::create(api);
+  ASSERT_TRUE(strokePass);
+  const gl::Target depth = emptyDepth(api);
+  // Two lines of a hundred samples, the first's second half hidden, the other nested in it.
+  SpineSamples samples;
+  for (int i = 0; i < 200; ++i) {
+    SpineSample sample;
+    sample.position = glm::vec2(0.5F);
+    sample.depth = 0.5F;
+    sample.bias = i >= 50 && i < 100 ? -1.0F : 0.01F;
+    sample.first = i < 100 ? 0.0F : 100.0F;
+    sample.last = sample.first + 99.0F;
+    sample.spanFirst = i < 50 ? 0.0F : (i < 100 ? 50.0F : 100.0F);
+    sample.spanLast = i < 50 ? 49.0F : (i < 100 ? 99.0F : 199.0F);
+    if (i >= 100) sample.nestedIn = static_cast<float>(i - 100);
+    samples.samples.push_back(sample);
+  }
+  ASSERT_TRUE(strokePass->findVisibility(samples, depth.depth()));
+  const std::vector<float> drawn = strokePass->readVisibility(samples.samples.size());
+  DepthImage empty{64, 64, {}};
+  empty.depth.assign(64 * 64, 1.0F);
+  const std::vector<float> expected = sampleVisibility(samples, empty);
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    EXPECT_NEAR(drawn[i], expected[i], 1.0F / 128.0F) << i;
+    EXPECT_EQ(drawn[i] > 0.5F, i < 50 || i >= 150) << i;
+  }
+}
+
 TEST(VisibilityPass, ALoopIsTheSameWhereverItBegins) {
   auto context = createGlContext(GlBackend::kEgl);
   ASSERT_TRUE(context);

@@ -182,7 +182,7 @@ TEST(DrawnSpines, LinesTooSmallToBeSeenAreLeftOutAndTheRestIsJoined) {
   contours.add({21, 60, 0});
   DrawnSpines drawn;
   for (int frame = 0; frame < 2; ++frame) {  // memory is used again
-    drawn.find(contours.lines, view.scene(), StrokeStyle{}, 2.6F, kSamePx);
+    drawn.find(contours.lines, view.scene(), StrokeStyle{}, 2.6F);
     EXPECT_EQ(drawn.spines.spines.size(), 3U);
     EXPECT_EQ(drawn.fades.size(), 3U);
     EXPECT_EQ(drawn.spines.points.size(), drawn.spines.exact.size());

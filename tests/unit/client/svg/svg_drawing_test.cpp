@@ -2,9 +2,12 @@
 #include "client/svg/svg_drawing.h"
 
 #include "client/stroke/chain/chain.h"
+#include "client/stroke/drawn_spines.h"
 #include "client/stroke/line_halo.h"
 #include "client/stroke/parameters.h"
 #include "client/stroke/spine.h"
+#include "client/stroke/visibility/line_spans.h"
+#include "client/stroke/visibility/spine_samples.h"
 #include "client/stroke/visibility/visibility.h"
 #include "client/svg/clear_runs.h"
 #include "client/svg/crowded_runs.h"
@@ -66,6 +69,16 @@ SvgOptions options() {
   return o;
 }
 
+std::vector<VisibleRun> runsOf(
+    const SpineSet& spines,
+    const PolylineSet& lines,
+    const ResolvedLines& resolved,
+    const LineScene& scene) {
+  const SpineArcs arcs = measureSpines(spines);
+  const SpineSamples samples = sampleSpines(spines, arcs, findSpans(lines, scene), scene.viewport);
+  return cutAtVisibility(spines, arcs, lines, resolved, scene, samples, kShortRun);
+}
+
 bool has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
@@ -115,14 +128,15 @@ TEST(SvgDrawing, DashesGoOnWhereALineComesOutAgain) {
   dashed.periodPx = 60.0F;
   const std::string svg =
       svgDrawing(drawn.lines, drawn.resolve(), drawn.scene(), StrokeStyle{}, dashed);
-  SpineSet spines = projectLines(drawn.lines, drawn.scene());
+  DrawnSpines stroked;
+  stroked.find(drawn.lines, drawn.scene(), StrokeStyle{}, dashed.inkPx);
+  SpineSet& spines = stroked.spines;
   smoothSpines(StrokeStyle{}.smoothPx, spines);
   const SpineArcs arcs = measureSpines(spines);
   SpineParameters parameters;
   freshParameters(spines, arcs, drawn.lines, 60.0F, parameters);
   std::size_t checked = 0;
-  for (const VisibleRun& run :
-       cutAtVisibility(spines, arcs, drawn.lines, drawn.resolved, drawn.scene(), kShortRun)) {
+  for (const VisibleRun& run : runsOf(spines, drawn.lines, drawn.resolved, drawn.scene())) {
     const SpineSet::Spine& spine = spines.spines[run.spine];
     const double start = parameters.from[spine.begin];
     const double perPx = (parameters.to[spine.end - 1] - start) / arcs.length[run.spine];
@@ -274,8 +288,7 @@ TEST(VisibleRuns, ABridgeIsVisibleWhereWhatItJoinsIs) {
   bridge({0, 0, false}, {1, 4, false});
   bridge({1, 5, true}, {0, 0, false});
   std::vector<bool> visible;
-  for (const VisibleRun& run :
-       cutAtVisibility(spines, measureSpines(spines), lines, resolved, drawn.scene(), kShortRun)) {
+  for (const VisibleRun& run : runsOf(spines, lines, resolved, drawn.scene())) {
     if (run.spine >= 2) visible.push_back(run.visible);
   }
   EXPECT_EQ(visible, (std::vector<bool>{true, false, false}));
@@ -285,8 +298,7 @@ TEST(VisibleRuns, CoverEverySpineAndShareTheirCuts) {
   const Drawn drawn;
   const SpineSet spines = projectLines(drawn.lines, drawn.scene());
   const SpineArcs arcs = measureSpines(spines);
-  const auto runs =
-      cutAtVisibility(spines, arcs, drawn.lines, drawn.resolved, drawn.scene(), kShortRun);
+  const auto runs = runsOf(spines, drawn.lines, drawn.resolved, drawn.scene());
   std::vector<float> covered(spines.spines.size(), 0.0F);
   bool someVisible = false;
   bool someHidden = false;

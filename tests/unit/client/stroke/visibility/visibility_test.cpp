@@ -73,7 +73,7 @@ TEST(Visibility, SpecklesShorterThanTheFilterVanish) {
     depth.depth[static_cast<std::size_t>(y * 100 + 50)] = 1.0F;
   for (const float v : sampleVisibility(row(100), depth))
     EXPECT_LT(v, 0.5F);
-  const std::vector<std::uint8_t> raw = testSamples(row(100).samples, depth);
+  const std::vector<std::uint8_t> raw = testSamples(row(100), depth);
   EXPECT_EQ(std::count(raw.begin(), raw.end(), 1), 3);
 }
 
@@ -105,13 +105,13 @@ TEST(Visibility, ASilhouetteAsksOnlyItsOutwardSide) {
   SpineSamples samples = row(100);
   for (SpineSample& sample : samples.samples)
     sample.outward = {1.0F, 0.0F};
-  std::vector<std::uint8_t> visible = testSamples(samples.samples, wall(100, 50, 100));
+  std::vector<std::uint8_t> visible = testSamples(samples, wall(100, 50, 100));
   EXPECT_EQ(visible[48], 1);
   EXPECT_EQ(visible[49], 1);  // its own column is free
   EXPECT_EQ(visible[50], 0);
   for (SpineSample& sample : samples.samples)
     sample.outward = {-1.0F, 0.0F};
-  visible = testSamples(samples.samples, wall(100, 50, 100));
+  visible = testSamples(samples, wall(100, 50, 100));
   EXPECT_EQ(visible[50], 1);
   EXPECT_EQ(visible[51], 0);
 }
@@ -120,9 +120,10 @@ TEST(Visibility, TheNearestLineIsTheOutlineOfWhatStandsOutALittleFarther) {
   SpineSamples samples = row(100);
   for (SpineSample& sample : samples.samples) {
     sample.outward = {1.0F, 0.0F};
-    sample.farther = 0.02F;  // two pixels
+    sample.neededFree = -sample.neededFree;
   }
-  const std::vector<std::uint8_t> visible = testSamples(samples.samples, wall(100, 20, 50));
+  samples.farther = 0.02F;  // two pixels
+  const std::vector<std::uint8_t> visible = testSamples(samples, wall(100, 20, 50));
   EXPECT_EQ(visible[46], 0);
   EXPECT_EQ(visible[47], 1);  // the wall's last column is 49
   EXPECT_EQ(visible[19], 1);  // it is free where it is, though not farther on
