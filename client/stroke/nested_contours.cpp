@@ -12,7 +12,7 @@ namespace {
 constexpr float kNestedWidths = 1.3F;
 
 /// A place stands for so many samples, a pixel apart: enough for what is some pixels long.
-constexpr std::uint32_t kStep = 2;
+constexpr std::uint32_t kStep = 3;
 
 constexpr float kCellPx = 6.0F;
 
@@ -23,7 +23,7 @@ constexpr float kSameWay = 0.85F;
 constexpr float kLeastPx = 0.4F;
 
 /// Aside from where a place looks for an outer one, at most.
-constexpr float kAsidePx = 1.2F;
+constexpr float kAsidePx = 1.6F;
 
 // Along a line, in reaches:
 constexpr float kOwnReaches = 4.0F;    // as near, it is the same contour
