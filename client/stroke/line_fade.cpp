@@ -17,6 +17,9 @@ namespace {
 /// Limits are at most this share of the whole drawing's extent.
 constexpr float kLargestFade = 0.08F;
 
+/// About as wide as strokes are: what is no larger shows as a blot.
+constexpr float kBlotPx = 2.5F;
+
 /// 0 up to `belowPx`, 1 from twice that on.
 float fade(float extentPx, float belowPx) {
   if (!(belowPx > 0.0F)) return 1.0F;
@@ -25,7 +28,8 @@ float fade(float extentPx, float belowPx) {
 }
 
 /// A small outline that lies over larger ones for this share of its extent is as strong as they
-/// are, from where it begins to be: they are hidden there.
+/// are, from where it begins to be: they are hidden there. But not a blot: strokes close what it
+/// hides.
 constexpr float kCoversFrom = 0.1F;
 constexpr float kCovers = 0.25F;
 
@@ -61,7 +65,23 @@ std::optional<std::array<glm::vec2, 2>> foldEnds(
   return std::array<glm::vec2, 2>{start, end};
 }
 
-/// The diagonal of the box around each spine and all those that it continues.
+/// What inner lines that continue one another are made of. Where a scan is folded or torn, its mesh
+/// has creases at every other edge: all of them reach as far as a line does, and are a scribble.
+struct Pieces {
+  float extentPx = 0.0F;  // their sum
+  float count = 0.0F;
+
+  void add(float piecePx) {
+    extentPx += piecePx;
+    ++count;
+  }
+
+  /// How much of a line they are: 0 where most are blots.
+  [[nodiscard]] float lineness() const { return fade(extentPx / count, kBlotPx); }
+};
+
+/// The diagonal of the box around each spine and all those that it continues; of a scribble's parts
+/// their own.
 std::vector<float> joinedExtents(const SpineSet& spines) {
   struct End {
     glm::vec2 at;
@@ -96,14 +116,21 @@ std::vector<float> joinedExtents(const SpineSet& spines) {
     }
   }
   std::vector<SpineSet::Spine> joined(spines.spines);
+  std::vector<Pieces> pieces(joined.size());
   for (std::uint32_t i = 0; i < joined.size(); ++i) {
-    SpineSet::Spine& root = joined[lines.rootOf(i)];
-    root.low = glm::min(root.low, spines.spines[i].low);
-    root.high = glm::max(root.high, spines.spines[i].high);
+    const std::uint32_t root = lines.rootOf(i);
+    joined[root].low = glm::min(joined[root].low, spines.spines[i].low);
+    joined[root].high = glm::max(joined[root].high, spines.spines[i].high);
+    pieces[root].add(spines.spines[i].extentPx());
   }
   std::vector<float> extents(joined.size());
-  for (std::uint32_t i = 0; i < extents.size(); ++i)
-    extents[i] = joined[lines.rootOf(i)].extentPx();
+  for (std::uint32_t i = 0; i < extents.size(); ++i) {
+    const std::uint32_t root = lines.rootOf(i);
+    const float whole = joined[root].extentPx();
+    const SpineSet::Spine& spine = spines.spines[i];
+    const float joint = isInner(spine.kind) ? pieces[root].lineness() : 1.0F;
+    extents[i] = glm::mix(spine.extentPx(), whole, joint);
+  }
   return extents;
 }
 
@@ -141,9 +168,11 @@ void fadeLines(
   const std::vector<float> covered = coveredLengths(spines, isSmall, scene.camera, scene.viewport);
   for (std::size_t i = 0; i < fades.size(); ++i) {
     if (!(covered[i] > 0.0F)) continue;
-    const float share = covered[i] / std::max(spines.spines[i].extentPx(), 1.0F);
+    const float extent = spines.spines[i].extentPx();
+    const float share = covered[i] / std::max(extent, 1.0F);
     const float strength = (share - kCoversFrom) / (kCovers - kCoversFrom);
-    fades[i].visible = std::max(fades[i].visible, std::clamp(strength, 0.0F, 1.0F));
+    fades[i].visible =
+        std::max(fades[i].visible, fade(extent, kBlotPx) * std::clamp(strength, 0.0F, 1.0F));
   }
 }
 

@@ -17,12 +17,11 @@ struct LineFade {
   float hidden = 1.0F;
 };
 
-/// Fades of every spine by its extent (where visible: with those that continue it), a
-/// smooth ramp from the style's limit to twice as much; small ones that take a larger outline's
-/// place do not fade. The limits are at most a share of the whole
-/// drawing's extent, so that a small picture of a model is not an empty one. Parallel to
-/// SpineSet::spines. Cost: O(spines · log spines +
-/// length of outlines in pixels).
+/// Fades of every spine by its extent (where visible: with those that continue it, unless they make
+/// a scribble), a smooth ramp from the style's limit to twice as much; small ones that take a
+/// larger outline's place do not fade, if larger than a stroke is wide. The limits are at most a
+/// share of the whole drawing's extent, so that a small picture of a model is not an empty one.
+/// Parallel to SpineSet::spines. Cost: O(spines · log spines + length of outlines in pixels).
 void fadeLines(
     const SpineSet& spines,
     const StrokeStyle& style,

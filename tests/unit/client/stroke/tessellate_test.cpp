@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -177,9 +178,45 @@ TEST(Strokes, FoldsInARowAreOneLine) {
   EXPECT_EQ(fadeOf(3.0F, 0.2F, 1.5F), 0.0F);  // specks
 }
 
+TEST(Strokes, CreasesInPiecesSmallerThanAStrokeIsWideAreNoLine) {
+  // A zigzag of joined pieces, 40 px from end to end, and a line of 60 px that it ends at.
+  const auto fadesOf = [](LineKind kind, float piecePx) {
+    SpineSet spines;
+    const auto add = [&](const glm::vec2& from, const glm::vec2& to) {
+      SpineSet::Spine spine;
+      spine.kind = kind;
+      spine.begin = static_cast<std::uint32_t>(spines.points.size());
+      spine.end = spine.begin + 2;
+      spines.points.insert(spines.points.end(), {from, to});
+      spines.depth.insert(spines.depth.end(), {0.5F, 0.5F});
+      spines.spines.push_back(spine);
+    };
+    const float step = 0.7F * piecePx;
+    for (int i = 0; static_cast<float>(i) * step < 40.0F; ++i) {
+      const glm::vec2 from(
+          100.0F + static_cast<float>(i) * step,
+          i % 2 == 0 ? 100.0F : 100.0F + step);
+      add(from, {from.x + step, i % 2 == 0 ? 100.0F + step : 100.0F});
+    }
+    add(spines.points.back(), spines.points.back() + glm::vec2(60.0F, 0.0F));
+    add({10.0F, 10.0F}, {500.0F, 400.0F});
+    measureBoxes(spines);
+    StrokeStyle style;
+    style.fadeBelowPx = 10.0F;
+    style.creaseFade = 1.5F;
+    std::vector<LineFade> fades;
+    fadeLines(spines, style, scene(), fades);
+    return std::array{fades[0].visible, fades[fades.size() - 2].visible};
+  };
+  using Fades = std::array<float, 2>;
+  EXPECT_EQ(fadesOf(LineKind::kCrease, 1.2F), (Fades{0.0F, 1.0F}));
+  EXPECT_EQ(fadesOf(LineKind::kCrease, 6.0F), (Fades{1.0F, 1.0F}));
+  EXPECT_EQ(fadesOf(LineKind::kSilhouette, 1.2F), (Fades{1.0F, 1.0F}));
+}
+
 TEST(Strokes, ABumpThatTakesALongOutlinesPlaceDoesNotFade) {
   // A bump 10 px long over an outline; 7 px nearer to the eye unless said otherwise.
-  const auto fadeOf = [](float depth, const glm::vec2& shift, bool isTurned) {
+  const auto fadeOf = [](float depth, const glm::vec2& shift, bool isTurned, float scale = 1.0F) {
     SpineSet spines;
     spines.points = {{10.0F, 200.0F}, {500.0F, 200.0F}};
     spines.depth = {0.5F, 0.5F};
@@ -191,7 +228,7 @@ TEST(Strokes, ABumpThatTakesALongOutlinesPlaceDoesNotFade) {
     if (isTurned)
       bump = {bump[0] - glm::vec2(0.0F, 4.0F), bump[2] - glm::vec2(0.0F, 4.0F), bump[1]};
     for (const glm::vec2& p : bump) {
-      spines.points.push_back(p + shift);
+      spines.points.push_back(glm::vec2(200.0F) + scale * (p - glm::vec2(200.0F)) + shift);
       spines.depth.push_back(depth);
     }
     spines.spines.resize(2);
@@ -213,7 +250,9 @@ TEST(Strokes, ABumpThatTakesALongOutlinesPlaceDoesNotFade) {
   EXPECT_EQ(fadeOf(0.495F, {0.0F, 9.0F}, false), 0.0F);   // beside it
   EXPECT_EQ(fadeOf(0.495F, {0.0F, -2.0F}, false), 0.0F);  // inside: it is to be seen as well
   EXPECT_EQ(fadeOf(0.495F, {0.0F, 2.0F}, false), 1.0F);   // it stands out over it
-  EXPECT_EQ(fadeOf(0.495F, {}, true), 0.0F);              // bounding the other side there
+  EXPECT_EQ(fadeOf(0.495F, {}, false, 0.5F), 1.0F);
+  EXPECT_EQ(fadeOf(0.495F, {}, false, 0.2F), 0.0F);  // a blot, no larger than a stroke is wide
+  EXPECT_EQ(fadeOf(0.495F, {}, true), 0.0F);         // bounding the other side there
 }
 
 TEST(Tessellate, EveryPointNearTheSpineIsCoveredHoweverSharpTheTurns) {
