@@ -52,7 +52,7 @@ class FoldFinder {
         again = nextTurn(spine, turn + 1);
       }
       const bool isNear = again < spine.end && isInReach(i, turn) && isInReach(i, again);
-      i = isNear ? endOfFold(spine, i) : i + 1;
+      i = isNear ? endOfFold(spine, i, {begin, size}) : i + 1;
     }
     spine.begin = begin;
     spine.end = size;
@@ -86,8 +86,16 @@ class FoldFinder {
     spines_.source[to] = spines_.source[from];
   }
 
-  /// Where a spine goes on after point i: i + 1, or past a swallowtail that begins there.
-  [[nodiscard]] std::uint32_t endOfFold(const SpineSet::Spine& spine, std::uint32_t i) const {
+  /// What is kept of a spine so far, its points one after another.
+  struct Kept {
+    std::uint32_t begin;
+    std::uint32_t end;
+  };
+
+  /// Where a spine goes on after point i, the last one kept: i + 1, or past a swallowtail that
+  /// begins there.
+  [[nodiscard]] std::uint32_t
+  endOfFold(const SpineSet::Spine& spine, std::uint32_t i, const Kept& kept) const {
     const std::vector<glm::vec2>& p = spines_.points;
     // It turns back twice.
     float length = 0.0F;
@@ -108,18 +116,19 @@ class FoldFinder {
         found = j + 1;
       }
     }
-    const bool isFold = found > i + 1 && goesOn(spine, i, found) &&
+    const bool isFold = found > i + 1 && goesOn(spine, kept, found) &&
                         isHiddenBetween(lines_.lines[spine.line], i, found);
     return isFold ? found : i + 1;
   }
 
-  /// Whether the branch that ends at one point and the one that begins at another are of one line:
-  /// at a corner a tip is where others end.
-  [[nodiscard]] bool goesOn(const SpineSet::Spine& spine, std::uint32_t end, std::uint32_t start)
+  /// Whether what is kept and the branch that begins at a point are of one line: at a corner a tip
+  /// is where others end.
+  [[nodiscard]] bool goesOn(const SpineSet::Spine& spine, const Kept& kept, std::uint32_t start)
       const {
     const std::vector<glm::vec2>& p = spines_.points;
+    const std::uint32_t end = kept.end - 1;
     std::uint32_t before = end;
-    while (before > spine.begin && glm::distance(p[before], p[end]) < reachPx_)
+    while (before > kept.begin && glm::distance(p[before], p[end]) < reachPx_)
       --before;
     std::uint32_t after = start;
     while (after + 1 < spine.end && glm::distance(p[after], p[start]) < reachPx_)

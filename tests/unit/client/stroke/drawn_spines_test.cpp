@@ -89,6 +89,27 @@ TEST(FoldBacks, AShortSwallowtailIsCutWhereItsBranchesCross) {
   EXPECT_EQ(spines.depth.size(), spines.points.size());
 }
 
+TEST(FoldBacks, OneSwallowtailAfterAnotherIsCut) {
+  const Ceiling view;
+  Contours contours;
+  contours.begin();
+  glm::vec3 at(60, 0, 0);
+  for (int i = 0; i < 4; ++i) {
+    const glm::vec3 tip = at + glm::vec3(-15, 0, 0);
+    const glm::vec3 turn = tip + glm::vec3(6, 1, 0);
+    const glm::vec3 on = turn + glm::vec3(-15, -2.5F, 0);
+    contours.go(at, tip);
+    contours.go(tip, turn);
+    contours.go(turn, on);
+    at = on;
+  }
+  contours.add(at);
+  SpineSet spines = projectLines(contours.lines, view.scene());
+  EXPECT_FALSE(runsLeft(spines));
+  cutFoldBacks(contours.lines, view.scene(), 7.0F, spines);
+  EXPECT_TRUE(runsLeft(spines));
+}
+
 TEST(FoldBacks, WhatIsLongOrTurnsOrIsSeenAllAlongStays) {
   const Ceiling view;
   const auto isCut = [&](const Contours& contours) {
