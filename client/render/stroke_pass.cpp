@@ -34,6 +34,9 @@ Result<StrokePass> StrokePass::create(const gl::Api& api) {
   auto vote =
       gl::Program::build(api, "visibility votes", shaders::kScreenVertex, shaders::kVoteFragment);
   if (!vote) return tl::unexpected(vote.error());
+  auto drawn =
+      gl::Program::build(api, "drawn samples", shaders::kScreenVertex, shaders::kDrawnFragment);
+  if (!drawn) return tl::unexpected(drawn.error());
   auto shape =
       gl::Program::build(api, "visible runs", shaders::kScreenVertex, shaders::kShapeFragment);
   if (!shape) return tl::unexpected(shape.error());
@@ -50,6 +53,7 @@ Result<StrokePass> StrokePass::create(const gl::Api& api) {
   if (!stroke) return tl::unexpected(stroke.error());
   pass.testProgram_ = *std::move(test);
   pass.voteProgram_ = *std::move(vote);
+  pass.drawnProgram_ = *std::move(drawn);
   pass.shapeProgram_ = *std::move(shape);
   pass.haloMarkProgram_ = *std::move(haloMark);
   pass.haloProgram_ = *std::move(halo);
@@ -87,15 +91,12 @@ StrokePass::findVisibility(const SpineSamples& samples, const gl::Texture& depth
     const gl::Target::Options atlas{
         .size = {kAtlasWidth, grown},
         .hasColor = true,
-        .color = gl::TexelFormat::kR8};
-    auto tested = gl::Target::create(*api_, "the visibility atlas", atlas);
-    if (!tested) return tl::unexpected(tested.error());
-    gl::Target::Options pair = atlas;
-    pair.color = gl::TexelFormat::kRg8;
-    auto voted = gl::Target::create(*api_, "the visibility atlas", pair);
-    if (!voted) return tl::unexpected(voted.error());
-    tested_ = *std::move(tested);
-    voted_ = *std::move(voted);
+        .color = gl::TexelFormat::kRg8};
+    for (gl::Target* target : {&shaped_, &spare_}) {
+      auto created = gl::Target::create(*api_, "the visibility atlas", atlas);
+      if (!created) return tl::unexpected(created.error());
+      *target = *std::move(created);
+    }
     rows_ = grown;
   }
   // Whole rows first, then what is left of the last one.
@@ -143,23 +144,29 @@ StrokePass::findVisibility(const SpineSamples& samples, const gl::Texture& depth
   testProgram_.set("depthMap", 1);
   testProgram_.set("farther", samples.farther);
   gl::bindTexture(*api_, 1, depth);
-  fill(tested_);
+  fill(spare_);
 
   voteProgram_.use();
   voteProgram_.set("samples", 0);
   voteProgram_.set("tested", 1);
   voteProgram_.set("radius", kVoteRadius);
-  gl::bindTexture(*api_, 1, tested_.color());
-  fill(voted_);
+  gl::bindTexture(*api_, 1, spare_.color());
+  fill(shaped_);
+
+  drawnProgram_.use();
+  drawnProgram_.set("samples", 0);
+  drawnProgram_.set("voted", 1);
+  gl::bindTexture(*api_, 1, shaped_.color());
+  fill(spare_);
 
   shapeProgram_.use();
   shapeProgram_.set("samples", 0);
-  shapeProgram_.set("voted", 1);
+  shapeProgram_.set("drawn", 1);
   shapeProgram_.set("ramp", static_cast<int>(kRampSamples));
   shapeProgram_.set("closedGap", closedGap);
   shapeProgram_.set("shortRun", kShortRun);
-  gl::bindTexture(*api_, 1, voted_.color());
-  fill(tested_);
+  gl::bindTexture(*api_, 1, spare_.color());
+  fill(shaped_);
   return {};
 }
 
@@ -185,7 +192,7 @@ Result<void> StrokePass::findHalo(const SpineSamples& samples, const DrawOptions
   const glm::vec2 cellsInPicture =
       glm::vec2(options.viewport.width, options.viewport.height) / cellPx;
   gl::bindTexture(*api_, 0, sampleTexture_);
-  gl::bindTexture(*api_, 1, tested_.color());
+  gl::bindTexture(*api_, 1, shaped_.color());
   haloMarkProgram_.use();
   haloMarkProgram_.set("samples", 0);
   haloMarkProgram_.set("visibility", 1);
@@ -195,7 +202,7 @@ Result<void> StrokePass::findHalo(const SpineSamples& samples, const DrawOptions
 
   const auto rows =
       static_cast<int>((samples.samples.size() + kAtlasWidth - 1) / std::size_t{kAtlasWidth});
-  voted_.bind();
+  spare_.bind();
   api_->viewport(0, 0, kAtlasWidth, rows);
   haloProgram_.use();
   haloProgram_.set("samples", 0);
@@ -233,7 +240,7 @@ Result<void> StrokePass::findDensity(const SpineSamples& samples, const DrawOpti
       glm::vec2(viewport.width, viewport.height) / static_cast<float>(kDensityCellPx));
   densityProgram_.set("cellsInMap", glm::vec2(cells.width, cells.height));
   gl::bindTexture(*api_, 0, sampleTexture_);
-  gl::bindTexture(*api_, 1, tested_.color());
+  gl::bindTexture(*api_, 1, shaped_.color());
   api_->enable(GL_BLEND);
   api_->blendFunc(GL_ONE, GL_ONE);
   api_->drawArrays(GL_POINTS, 0, static_cast<GLsizei>(samples.samples.size()));
@@ -280,7 +287,7 @@ void StrokePass::draw(
   strokeProgram_.set("crowding", glm::vec3(kLargestShare, kLeastWidth, kLeastOpacity));
   strokeProgram_.set("paling", glm::vec2(kPaleFrom, kPalest));
   const bool hasHalo = options.hidden == Hidden::kStyle;
-  gl::bindTexture(*api_, 0, (hasHalo ? voted_ : tested_).color());
+  gl::bindTexture(*api_, 0, (hasHalo ? spare_ : shaped_).color());
   gl::bindTexture(*api_, 1, style.visible);
   gl::bindTexture(*api_, 2, style.hidden);
   gl::bindTexture(*api_, 3, density_.color());
@@ -297,11 +304,11 @@ void StrokePass::draw(
 }
 
 std::vector<float> StrokePass::readVisibility(std::size_t samples) const {
-  return readAtlas(tested_, 0, samples);
+  return readAtlas(shaped_, 0, samples);
 }
 
 std::vector<float> StrokePass::readClear(std::size_t samples) const {
-  return readAtlas(voted_, 1, samples);
+  return readAtlas(spare_, 1, samples);
 }
 
 std::vector<float>

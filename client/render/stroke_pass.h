@@ -71,6 +71,7 @@ class StrokePass {
   const gl::Api* api_ = nullptr;
   gl::Program testProgram_;
   gl::Program voteProgram_;
+  gl::Program drawnProgram_;
   gl::Program shapeProgram_;
   gl::Program haloMarkProgram_;
   gl::Program haloProgram_;
@@ -83,8 +84,8 @@ class StrokePass {
   // Grown when a frame needs more rows.
   int rows_ = 0;
   gl::Texture sampleTexture_;
-  gl::Target tested_;   // and at last, with short runs left out
-  gl::Target voted_;    // and at last that again, with where hidden lines are clear of visible ones
+  gl::Target shaped_;   // what is visible, a texel a sample
+  gl::Target spare_;    // and at last that again, with where hidden lines are clear of visible ones
   gl::Target halo_;     // cells of the picture with visible lines
   gl::Target density_;  // visible and hidden samples in each cell of the picture
 };

@@ -58,13 +58,15 @@ class CuspFinder {
     const PolylineSet::Line& line = lines_.lines[spine.line];
     if (line.back == PolylineSet::Back::kSeen) return;
     if (!line.isContour() && spine.kind != LineKind::kSuggestive) return;
-    for (std::uint32_t i = spine.begin + 1; i + 1 < spine.end; ++i) {
+    const std::uint32_t ends = spine.closed ? 0 : 1;
+    for (std::uint32_t i = spine.begin + ends; i + ends < spine.end; ++i) {
+      const std::uint32_t before = beside(spine, i, true);
       // In the picture a contour turns back where its surface does.
-      if (line.isContour() && !turnsBack(spines_.points, i)) continue;
-      const bool wasHidden = isHidden(line, spines_.source[i - 1]);
+      if (line.isContour() && !turnsBack(spines_.points, before, i, beside(spine, i, false)))
+        continue;
+      const bool wasHidden = isHidden(line, spines_.source[before]);
       const bool isHiddenNow = isHidden(line, spines_.source[i]);
-      if (isHiddenNow && !wasHidden) addEnd(index, i, spine.begin, cusps);
-      if (!isHiddenNow && wasHidden) addEnd(index, i, spine.end - 1, cusps);
+      if (wasHidden != isHiddenNow) addEnd(index, i, isHiddenNow, cusps);
     }
   }
 
@@ -72,7 +74,8 @@ class CuspFinder {
   /// By its own surface; of edges that is not asked.
   [[nodiscard]] bool isHidden(const PolylineSet::Line& line, std::uint32_t point) const {
     if (lines_.halfEdges[point] != kNone || lines_.faces[point] == kNone) return false;
-    if (!line.isContour()) return !faces_.isFront(lines_.faces[point]);
+    if (!line.isContour())
+      return line.back == PolylineSet::Back::kNeverSeen && !faces_.isFront(lines_.faces[point]);
     const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
     return faces_.hidesSmooth(
         lines_.faces[point],
@@ -80,24 +83,31 @@ class CuspFinder {
         glm::dvec3(lines_.points[next]));
   }
 
-  /// towards: where the visible part's spine ends.
-  void addEnd(std::uint32_t index, std::uint32_t i, std::uint32_t towards, std::vector<Cusp>& cusps)
-      const {
+  /// The point before one, or after it; an open spine's last ones are beside themselves.
+  static std::uint32_t beside(const SpineSet::Spine& spine, std::uint32_t i, bool isBefore) {
+    const std::uint32_t end = isBefore ? spine.begin : spine.end - 1;
+    if (i != end) return isBefore ? i - 1 : i + 1;
+    return !spine.closed ? i : (isBefore ? spine.end - 1 : spine.begin);
+  }
+
+  /// isEnd: the visible part lies before point i, not after it.
+  void addEnd(std::uint32_t index, std::uint32_t i, bool isEnd, std::vector<Cusp>& cusps) const {
+    const SpineSet::Spine& spine = spines_.spines[index];
     const std::vector<glm::vec2>& p = spines_.points;
     std::uint32_t k = i;
-    while (k != towards && glm::distance(p[k], p[i]) < directionPx_)
-      k = towards < i ? k - 1 : k + 1;
+    for (std::uint32_t step = 1; step < spine.size() && glm::distance(p[k], p[i]) < directionPx_;
+         ++step)
+      k = beside(spine, k, isEnd);
     const glm::vec2 along = p[i] - p[k];
     const float length = glm::length(along);
     if (length < directionPx_) return;  // too short to have one
-    const bool isEnd = towards < i;
-    const bool isContour = lines_.lines[spines_.spines[index].line].isContour();
+    const bool isContour = lines_.lines[spine.line].isContour();
     cusps.push_back(
         {p[i],
          along / length,
          i,
          index,
-         spines_.source[isEnd ? i - 1 : i],
+         spines_.source[isEnd ? beside(spine, i, true) : i],
          isEnd,
          !isContour ? Cusp::Way::kEither : (isEnd ? Cusp::Way::kOut : Cusp::Way::kIn)});
   }

@@ -37,7 +37,7 @@ class FoldFinder {
         reachPx_(reachPx),
         spines_(spines) {}
 
-  /// Appends what is left of spine `index` from `size` on; the new size.
+  /// Moves what is left of a spine to `size` and on; the new size.
   std::uint32_t keep(SpineSet::Spine& spine, std::uint32_t size) {
     const std::uint32_t begin = size;
     const bool isFoldable = mayFold(spine);
@@ -63,7 +63,7 @@ class FoldFinder {
  private:
   /// The first point from i on at which a spine turns back, or its end.
   [[nodiscard]] std::uint32_t nextTurn(const SpineSet::Spine& spine, std::uint32_t i) const {
-    while (i + 1 < spine.end && !turnsBack(spines_.points, i))
+    while (i + 1 < spine.end && !turnsBack(spines_.points, i - 1, i, i + 1))
       ++i;
     return i + 1 < spine.end ? i : spine.end;
   }
@@ -105,7 +105,7 @@ class FoldFinder {
     for (std::uint32_t j = i + 1; j + 1 < spine.end; ++j) {
       length += glm::distance(p[j - 1], p[j]);
       if (length > kLongest * reachPx_ || glm::distance(p[i], p[j]) > reachPx_) break;
-      if (turnsBack(p, j)) ++turns;
+      if (turnsBack(p, j - 1, j, j + 1)) ++turns;
       if (turns < 2) continue;
       if (glm::distance(p[j], p[j + 1]) > kLongestSegmentPx) continue;
       if (cross(p[i], p[i + 1], p[j], p[j + 1])) {

@@ -17,7 +17,7 @@ namespace {
 /// Limits are at most this share of the whole drawing's extent.
 constexpr float kLargestFade = 0.08F;
 
-/// About as wide as strokes are: what is no larger shows as a blot.
+/// About as wide as strokes mostly are: what is no larger shows as a blot.
 constexpr float kBlotPx = 2.5F;
 
 /// 0 up to `belowPx`, 1 from twice that on.
@@ -76,7 +76,7 @@ struct Pieces {
     ++count;
   }
 
-  /// How much of a line they are: 0 where most are blots.
+  /// How much of a line they are: 0 where they are blots on average.
   [[nodiscard]] float lineness() const { return fade(extentPx / count, kBlotPx); }
 };
 
@@ -128,8 +128,8 @@ std::vector<float> joinedExtents(const SpineSet& spines) {
     const std::uint32_t root = lines.rootOf(i);
     const float whole = joined[root].extentPx();
     const SpineSet::Spine& spine = spines.spines[i];
-    const float joint = isInner(spine.kind) ? pieces[root].lineness() : 1.0F;
-    extents[i] = glm::mix(spine.extentPx(), whole, joint);
+    const float asOne = isInner(spine.kind) ? pieces[root].lineness() : 1.0F;
+    extents[i] = glm::mix(spine.extentPx(), whole, asOne);
   }
   return extents;
 }

@@ -81,7 +81,7 @@ std::uint32_t NestedContours::outside(std::uint32_t index) const {
         const Place& other = places_[i];
         const glm::vec2 step = other.pixel - place.pixel;
         const float away = glm::dot(step, place.outward);
-        if (away < kLeastPx || away >= nearest) continue;
+        if (away < kLeastPx || away >= nearest || other.fade < place.fade) continue;
         if (std::abs(step.x * place.outward.y - step.y * place.outward.x) > kAsidePx) continue;
         if (glm::dot(other.outward, place.outward) < kSameWay || isOwn(i, index)) continue;
         nearest = away;
@@ -124,17 +124,26 @@ void NestedContours::evenOut() {
   });
 }
 
-void NestedContours::find(const Viewport& viewport, float widthPx, SpineSamples& samples) {
+void NestedContours::find(
+    const Viewport& viewport,
+    float widthPx,
+    std::span<const LineFade> fades,
+    SpineSamples& samples) {
   begin(viewport, kNestedWidths * widthPx);
   const glm::vec2 size(viewport.width, viewport.height);
-  for (std::uint32_t i = 0; i < samples.samples.size(); i += kStep) {
-    const SpineSample& sample = samples.samples[i];
-    if (sample.bias < 0.0F || sample.outward == glm::vec2(0.0F)) continue;
-    const bool goesOn = !places_.empty() && places_.back().sample + kStep == i &&
-                        samples.samples[i - kStep].first == sample.first;
-    add(sample.position * size, sample.outward, i, goesOn);
-  }
   const auto sampleCount = static_cast<std::uint32_t>(samples.samples.size());
+  for (std::size_t spine = 0; spine < samples.begin.size(); ++spine) {
+    const std::uint32_t first = samples.begin[spine];
+    const std::uint32_t end =
+        spine + 1 < samples.begin.size() ? samples.begin[spine + 1] : sampleCount;
+    for (std::uint32_t i = first; i < end; i += kStep) {
+      const SpineSample& sample = samples.samples[i];
+      if (sample.bias < 0.0F || sample.outward == glm::vec2(0.0F)) continue;
+      const bool goesOn = i != first && !places_.empty() && places_.back().sample + kStep == i;
+      add(sample.position * size, sample.outward, i, goesOn);
+      places_.back().fade = fades[spine].visible;
+    }
+  }
   const auto count = static_cast<std::uint32_t>(places_.size());
   outer_.resize(count);
   isNested_.resize(count);

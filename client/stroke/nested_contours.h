@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/line_fade.h"
 #include "client/stroke/visibility/spine_samples.h"
 
 #include "shared/core/camera.h"
@@ -9,6 +10,7 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace limn {
@@ -19,16 +21,23 @@ namespace limn {
 /// Threads: one caller at a time.
 class NestedContours {
  public:
-  /// Sets SpineSample::nestedIn where samples are nested. widthPx: of an ordinary stroke. What is
-  /// nested in a contour that is nested itself stays, so that of many beside one another half do;
-  /// what is nested for a little only stays as well. Cost: O(samples).
-  void find(const Viewport& viewport, float widthPx, SpineSamples& samples);
+  /// Sets SpineSample::nestedIn where samples are nested in a contour that fades no more than they
+  /// do. widthPx: of an ordinary stroke; fades: of the samples' spines. What is nested in a contour
+  /// that is nested itself stays, so that of many beside one another only the second goes; what is
+  /// nested for a little only stays as well. Samples are taken for a pixel apart. Cost: O(samples),
+  /// for strokes a few pixels wide.
+  void find(
+      const Viewport& viewport,
+      float widthPx,
+      std::span<const LineFade> fades,
+      SpineSamples& samples);
 
  private:
   /// Samples of a contour that are not hidden for sure.
   struct Place {
     glm::vec2 pixel{0.0F};
     glm::vec2 outward{0.0F};
+    float fade = 1.0F;
     std::uint32_t stretch = 0;   // of a line, with one place after another
     std::uint32_t sample = 0;    // the first
     std::uint32_t next = kNone;  // in the same cell

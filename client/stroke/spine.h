@@ -53,10 +53,13 @@ struct SpineSet {
   std::vector<Spine> spines;
 };
 
-/// Whether a line turns by more than a right angle at point i, which has one before and one after
-/// it.
-[[nodiscard]] inline bool turnsBack(const std::vector<glm::vec2>& points, std::uint32_t i) {
-  return glm::dot(points[i] - points[i - 1], points[i + 1] - points[i]) < 0.0F;
+/// Whether a line turns by more than a right angle at a point between two others.
+[[nodiscard]] inline bool turnsBack(
+    const std::vector<glm::vec2>& points,
+    std::uint32_t before,
+    std::uint32_t at,
+    std::uint32_t after) {
+  return glm::dot(points[at] - points[before], points[after] - points[at]) < 0.0F;
 }
 
 /// Projects and cuts lines. Keeps its working memory from frame to frame.

@@ -38,7 +38,7 @@ BuiltStrokes StrokeBuilder::build(
   markDrawn(spines, lines.points.size(), isDrawn_);
   spanFinder_.find(lines, isDrawn_, scene, spans_);
   sampleSpines(spines, arcs_, spans_, scene.viewport, options.samples, samples_);
-  nested_.find(scene.viewport, options.widthPx, samples_);
+  nested_.find(scene.viewport, options.widthPx, drawn_.fades, samples_);
   const float period = texturePeriod(style, options.widthPx);
   coherence_.assign(spines, arcs_, lines, scene, period, parameters_);
   findWidths(lines, scene.camera, options.widthFalloff);

@@ -240,7 +240,7 @@ std::string svgDrawing(
   LineSpans spans;
   LineSpanFinder().find(lines, isDrawn, scene, spans);
   SpineSamples samples = sampleSpines(spines, arcs, spans, scene.viewport);
-  NestedContours().find(scene.viewport, options.inkPx, samples);
+  NestedContours().find(scene.viewport, options.inkPx, fades, samples);
   SpineParameters parameters;
   freshParameters(spines, arcs, lines, options.periodPx, parameters);
   std::vector<VisibleRun> runs =

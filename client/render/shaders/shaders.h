@@ -106,15 +106,9 @@ void main() {
   visible = 0.0;
   if (texelFetch(samples, ivec2(3 * cell.x, cell.y), 0).w < 0.0) return;
   vec2 spine = texelFetch(samples, ivec2(3 * cell.x + 1, cell.y), 0).zw;
-  vec4 span = texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0);
+  vec2 span = texelFetch(samples, ivec2(3 * cell.x + 2, cell.y), 0).xy;
   int first = int(span.x);
   int last = int(span.y);
-  if (span.z == 0.0) {  // kAsJoined
-    visible = min(
-        texelFetch(tested, ivec2(first % width, first / width), 0).r,
-        texelFetch(tested, ivec2(last % width, last / width), 0).r);
-    return;
-  }
   bool isRing = spine.y < 0.0 && span.x == spine.x && span.y == -spine.y;
   int count = max(last - first + 1, 1);
   float sum = 0.0;
@@ -129,10 +123,30 @@ void main() {
     sum += texelFetch(tested, ivec2(j % width, j / width), 0).r;
     weight += 1.0;
   }
-  int nestedIn = int(span.w);
-  bool isDoubled =
-      nestedIn >= 0 && texelFetch(tested, ivec2(nestedIn % width, nestedIn / width), 0).r > 0.5;
-  visible = 2.0 * sum >= weight && !isDoubled ? 1.0 : 0.0;
+  visible = 2.0 * sum >= weight ? 1.0 : 0.0;
+}
+)";
+
+/// What is drawn of what is visible, nested contours and bridges: see drawnSamples.
+inline constexpr std::string_view kDrawnFragment = R"(#version 300 es
+precision highp float;
+precision highp int;
+uniform highp sampler2D samples;
+uniform highp sampler2D voted;
+out float drawn;
+int width;
+float visibleAt(int i) { return texelFetch(voted, ivec2(i % width, i / width), 0).r; }
+vec4 askingAt(int i) { return texelFetch(samples, ivec2(3 * (i % width) + 2, i / width), 0); }
+float drawnAt(int i) {
+  int outer = int(askingAt(i).w);
+  return outer >= 0 && visibleAt(outer) > 0.5 ? 0.0 : visibleAt(i);
+}
+void main() {
+  width = textureSize(voted, 0).x;
+  int index = int(gl_FragCoord.y) * width + int(gl_FragCoord.x);
+  vec4 asking = askingAt(index);
+  bool isBridge = asking.z == 0.0;  // kAsJoined
+  drawn = isBridge ? min(drawnAt(int(asking.x)), drawnAt(int(asking.y))) : drawnAt(index);
 }
 )";
 
@@ -141,7 +155,7 @@ inline constexpr std::string_view kShapeFragment = R"(#version 300 es
 precision highp float;
 precision highp int;
 uniform highp sampler2D samples;
-uniform highp sampler2D voted;
+uniform highp sampler2D drawn;
 uniform int ramp;   // samples
 uniform int closedGap;
 uniform int shortRun;
@@ -155,7 +169,7 @@ uint closeGaps(uint bits, int longest) {
 }
 void main() {
   ivec2 cell = ivec2(gl_FragCoord.xy);
-  int width = textureSize(voted, 0).x;
+  int width = textureSize(drawn, 0).x;
   int index = cell.y * width + cell.x;
   vec2 range = texelFetch(samples, ivec2(3 * cell.x + 1, cell.y), 0).zw;
   int first = int(range.x);
@@ -166,7 +180,7 @@ void main() {
   for (int k = 0; k <= 2 * middle; ++k) {
     int j = index + k - middle;
     j = range.y < 0.0 ? first + (j - first + middle * count) % count : clamp(j, first, last);
-    if (texelFetch(voted, ivec2(j % width, j / width), 0).r > 0.5) bits |= 1u << k;
+    if (texelFetch(drawn, ivec2(j % width, j / width), 0).r > 0.5) bits |= 1u << k;
   }
   bits = ~closeGaps(~closeGaps(bits, closedGap), shortRun);
   uint here = (bits >> middle) & 1u;

@@ -59,10 +59,6 @@ std::vector<std::uint8_t> voteInSpans(
     if (sample.bias < 0.0F) continue;
     const int first = static_cast<int>(sample.spanFirst);
     const int last = static_cast<int>(sample.spanLast);
-    if (sample.neededFree == kAsJoined) {
-      visible[i] = tested[static_cast<std::size_t>(first)] & tested[static_cast<std::size_t>(last)];
-      continue;
-    }
     const bool isRing =
         sample.last < 0.0F && sample.spanFirst == sample.first && sample.spanLast == -sample.last;
     const int count = last - first + 1;
@@ -78,11 +74,28 @@ std::vector<std::uint8_t> voteInSpans(
       sum += tested[static_cast<std::size_t>(j)];
       ++weight;
     }
-    const bool isDoubled =
-        sample.nestedIn >= 0.0F && tested[static_cast<std::size_t>(sample.nestedIn)] != 0;
-    visible[i] = 2 * sum >= weight && !isDoubled ? 1 : 0;
+    visible[i] = 2 * sum >= weight ? 1 : 0;
   }
   return visible;
+}
+
+std::vector<std::uint8_t> drawnSamples(
+    std::span<const SpineSample> samples,
+    std::span<const std::uint8_t> visible) {
+  const auto isDrawn = [&](float index) {
+    const auto i = static_cast<std::size_t>(index);
+    const float outer = samples[i].nestedIn;
+    return visible[i] != 0 && !(outer >= 0.0F && visible[static_cast<std::size_t>(outer)] != 0);
+  };
+  std::vector<std::uint8_t> drawn(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const SpineSample& sample = samples[i];
+    const bool is = sample.neededFree == kAsJoined
+                        ? isDrawn(sample.spanFirst) && isDrawn(sample.spanLast)
+                        : isDrawn(static_cast<float>(i));
+    drawn[i] = is ? 1 : 0;
+  }
+  return drawn;
 }
 
 namespace {
@@ -101,17 +114,18 @@ std::uint32_t closeGaps(std::uint32_t bits, int longest) {
 
 }  // namespace
 
-int closedGap(float widthPx, float samplesPerPx) {
-  return std::clamp(static_cast<int>(std::lround(widthPx * samplesPerPx)), kShortRun, kLongestGap);
+int closedGap(float widthPx) {
+  return std::clamp(static_cast<int>(std::lround(widthPx)), kShortRun, kLongestGap);
 }
 
 std::vector<float>
-sampleVisibility(const SpineSamples& samples, const DepthImage& depth, int closedGap) {
-  const std::vector<std::uint8_t> voted = voteInSpans(samples.samples, testSamples(samples, depth));
+sampleVisibility(const SpineSamples& samples, const DepthImage& depth, int longestGap) {
+  const std::vector<std::uint8_t> drawn =
+      drawnSamples(samples.samples, voteInSpans(samples.samples, testSamples(samples, depth)));
   constexpr int kRamp = static_cast<int>(kRampSamples);
-  const int middle = kRamp + closedGap + kShortRun;
-  std::vector<float> shaped(voted.size());
-  for (std::size_t i = 0; i < voted.size(); ++i) {
+  const int middle = kRamp + longestGap + kShortRun;
+  std::vector<float> shaped(drawn.size());
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
     const SpineSample& sample = samples.samples[i];
     const int first = static_cast<int>(sample.first);
     const int last = static_cast<int>(std::abs(sample.last));
@@ -121,9 +135,9 @@ sampleVisibility(const SpineSamples& samples, const DepthImage& depth, int close
       int j = static_cast<int>(i) + k - middle;
       j = sample.last < 0.0F ? first + ((j - first) % count + count) % count
                              : std::clamp(j, first, last);
-      bits |= std::uint32_t{voted[static_cast<std::size_t>(j)]} << k;
+      bits |= std::uint32_t{drawn[static_cast<std::size_t>(j)]} << k;
     }
-    bits = ~closeGaps(~closeGaps(bits, closedGap), kShortRun);
+    bits = ~closeGaps(~closeGaps(bits, longestGap), kShortRun);
     const std::uint32_t here = (bits >> middle) & 1U;
     float distance = kRampSamples;
     for (int d = kRamp; d >= 1; --d) {

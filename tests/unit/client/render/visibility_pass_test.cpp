@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/render/mesh_pass.h"
 #include "client/render/stroke_pass.h"
+#include "client/stroke/drawn_spines.h"
 #include "client/stroke/line_density.h"
 #include "client/stroke/line_halo.h"
+#include "client/stroke/nested_contours.h"
 #include "client/stroke/visibility/visibility.h"
 #include "tests/unit/client/render/scene_fixture.h"
 
@@ -47,13 +49,16 @@ void expectAgreement(GlBackend backend, SilhouetteKind kind) {
       knot.model.grid,
       camera,
       options.viewport};
-  const SpineSet spines = projectLines(lines, scene);
-  const SpineSamples samples =
+  DrawnSpines strokes;
+  strokes.find(lines, scene, StrokeStyle{}, 3.0F);
+  const SpineSet& spines = strokes.spines;
+  SpineSamples samples =
       sampleSpines(spines, measureSpines(spines), findSpans(lines, scene), scene.viewport);
+  NestedContours().find(scene.viewport, 3.0F, strokes.fades, samples);
   ASSERT_GT(samples.samples.size(), 1024U);  // more than a row of the atlas
-  ASSERT_TRUE(strokePass->findVisibility(samples, depth->depth()));
+  ASSERT_TRUE(strokePass->findVisibility(samples, depth->depth(), closedGap(3.0F)));
   const std::vector<float> drawn = strokePass->readVisibility(samples.samples.size());
-  const std::vector<float> expected = sampleVisibility(samples, frame->depth);
+  const std::vector<float> expected = sampleVisibility(samples, frame->depth, closedGap(3.0F));
   std::size_t different = 0;
   std::size_t hidden = 0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -127,6 +132,11 @@ TEST(VisibilityPass, ABridgeIsVisibleWhereWhatItJoinsIs) {
   add(0.0F, kAsJoined, 5.0F, 5.0F);
   add(0.0F, kAsJoined, 5.0F, 15.0F);
   add(0.0F, kAsJoined, 15.0F, 5.0F);
+  // Nested in the first, and a bridge from there.
+  add(0.01F, kFreeNeighbours, 0.0F, 0.0F);
+  for (std::size_t i = 50; i < 60; ++i)
+    samples.samples[i].nestedIn = 5.0F;
+  add(0.0F, kAsJoined, 55.0F, 5.0F);
   ASSERT_TRUE(strokePass->findVisibility(samples, depth.depth()));
   const std::vector<float> drawn = strokePass->readVisibility(samples.samples.size());
   DepthImage empty{64, 64, {}};
