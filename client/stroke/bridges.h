@@ -14,7 +14,7 @@ namespace limn {
 /// cusp and another of the same fold comes out ahead of it, in the direction in which the first
 /// went, appends a spine from one cusp to the other (SpineSet::Spine::isBridge), at most reachPx
 /// long. Of `lines` in `scene`, before any smoothing. Threads: reentrant. Cost: O(points + cusps ·
-/// log cusps).
+/// cusps near in x).
 void bridgeCusps(
     const PolylineSet& lines,
     const LineScene& scene,

@@ -44,7 +44,7 @@ struct BuiltStrokes {
 
 /// Chained lines to strokes: what is drawn of them, smoothing, spans, samples, parameters and
 /// strips, one after another. Parameters follow the frame before, so one builder draws one view's
-/// frames. Keeps its memory from frame to frame, so that a frame allocates nothing once it is warm.
+/// frames. Keeps its memory from frame to frame, so that a frame allocates little once it is warm.
 /// Threads: one caller at a time.
 class StrokeBuilder {
  public:

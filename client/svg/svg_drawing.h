@@ -46,7 +46,7 @@ using ResolveDrawn = std::function<ResolvedLines(std::span<const std::uint8_t> i
 /// lines and smooth curves within a quarter of a pixel of the drawing's strokes, loops closed. The
 /// view is in the metadata. lines: of the scene's mesh; resolve: asked once for their visibility in
 /// the scene; style: what lines fade and how they are smoothed, as in the picture.
-/// Threads: reentrant. Cost: O(points · log points).
+/// Threads: reentrant. Cost: O(points · log points + bridges · runs).
 [[nodiscard]] std::string svgDrawing(
     const PolylineSet& lines,
     const ResolveDrawn& resolve,
