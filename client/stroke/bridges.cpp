@@ -73,14 +73,10 @@ class CuspFinder {
  private:
   /// By its own surface; of edges that is not asked.
   [[nodiscard]] bool isHidden(const PolylineSet::Line& line, std::uint32_t point) const {
-    if (lines_.halfEdges[point] != kNone || lines_.faces[point] == kNone) return false;
-    if (!line.isContour())
-      return line.back == PolylineSet::Back::kNeverSeen && !faces_.isFront(lines_.faces[point]);
-    const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
-    return faces_.hidesSmooth(
-        lines_.faces[point],
-        glm::dvec3(lines_.points[point]),
-        glm::dvec3(lines_.points[next]));
+    if (line.isContour()) return faces_.hidesSmooth(lines_, line, point);
+    const FaceId face = lines_.faces[point];
+    return line.back == PolylineSet::Back::kNeverSeen && lines_.halfEdges[point] == kNone &&
+           face != kNone && !faces_.isFront(face);
   }
 
   /// The point before one, or after it; an open spine's last ones are beside themselves.

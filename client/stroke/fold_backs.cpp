@@ -46,7 +46,7 @@ class FoldFinder {
     std::uint32_t turn = isFoldable ? nextTurn(spine, i + 1) : spine.end;
     std::uint32_t again = nextTurn(spine, turn + 1);
     while (i < spine.end) {
-      move(i, size++);
+      spines_.movePoints(i, i + 1, size++);
       while (turn <= i) {
         turn = again;
         again = nextTurn(spine, turn + 1);
@@ -76,14 +76,6 @@ class FoldFinder {
   [[nodiscard]] bool mayFold(const SpineSet::Spine& spine) const {
     const PolylineSet::Line& line = lines_.lines[spine.line];
     return line.isContour() && line.back != PolylineSet::Back::kSeen;
-  }
-
-  void move(std::uint32_t from, std::uint32_t to) {
-    if (from == to) return;
-    spines_.points[to] = spines_.points[from];
-    spines_.exact[to] = spines_.exact[from];
-    spines_.depth[to] = spines_.depth[from];
-    spines_.source[to] = spines_.source[from];
   }
 
   /// What is kept of a spine so far, its points one after another.
@@ -141,14 +133,7 @@ class FoldFinder {
   [[nodiscard]] bool
   isHiddenBetween(const PolylineSet::Line& line, std::uint32_t from, std::uint32_t to) const {
     for (std::uint32_t i = from; i < to; ++i) {
-      const std::uint32_t point = spines_.source[i];
-      const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
-      if (lines_.halfEdges[point] == kNone && lines_.faces[point] != kNone &&
-          faces_.hidesSmooth(
-              lines_.faces[point],
-              glm::dvec3(lines_.points[point]),
-              glm::dvec3(lines_.points[next])))
-        return true;
+      if (faces_.hidesSmooth(lines_, line, spines_.source[i])) return true;
     }
     return false;
   }
@@ -170,10 +155,7 @@ void cutFoldBacks(
   std::uint32_t size = 0;
   for (SpineSet::Spine& spine : spines.spines)
     size = finder.keep(spine, size);
-  spines.points.resize(size);
-  spines.exact.resize(size);
-  spines.depth.resize(size);
-  spines.source.resize(size);
+  spines.resizePoints(size);
 }
 
 }  // namespace limn

@@ -183,15 +183,7 @@ void dropFaded(SpineSet& spines, std::vector<LineFade>& fades) {
     if (!(fades[i].visible > 0.0F) && !(fades[i].hidden > 0.0F)) continue;
     SpineSet::Spine spine = spines.spines[i];
     const std::uint32_t begin = points;
-    if (begin != spine.begin) {
-      const auto move = [&](auto& values) {
-        std::copy(values.begin() + spine.begin, values.begin() + spine.end, values.begin() + begin);
-      };
-      move(spines.points);
-      move(spines.exact);
-      move(spines.depth);
-      move(spines.source);
-    }
+    spines.movePoints(spine.begin, spine.end, begin);
     points += spine.size();
     spine.begin = begin;
     spine.end = points;
@@ -199,10 +191,7 @@ void dropFaded(SpineSet& spines, std::vector<LineFade>& fades) {
     fades[kept] = fades[i];
     ++kept;
   }
-  spines.points.resize(points);
-  spines.exact.resize(points);
-  spines.depth.resize(points);
-  spines.source.resize(points);
+  spines.resizePoints(points);
   spines.spines.resize(kept);
   fades.resize(kept);
 }

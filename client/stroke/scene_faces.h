@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "client/stroke/chain/polyline.h"
 #include "client/stroke/line_scene.h"
 
 #include <glm/glm.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <span>
 
 namespace limn {
@@ -49,6 +51,17 @@ class SceneFaces {
   [[nodiscard]] bool hidesSmooth(FaceId face, const glm::dvec3& from, const glm::dvec3& to) const {
     const glm::dvec3 left = glm::cross(normal(face), to - from);
     return glm::dot(left, towardEye(0.5 * (from + to))) < 0.0;
+  }
+
+  /// The same of the segment that starts at a point of a line; of edges that is not asked.
+  [[nodiscard]] bool
+  hidesSmooth(const PolylineSet& lines, const PolylineSet::Line& line, std::uint32_t point) const {
+    if (lines.halfEdges[point] != kNone || lines.faces[point] == kNone) return false;
+    const std::uint32_t next = point + 1 < line.end ? point + 1 : line.begin;
+    return hidesSmooth(
+        lines.faces[point],
+        glm::dvec3(lines.points[point]),
+        glm::dvec3(lines.points[next]));
   }
 
   /// At a place of a smooth silhouette on a face: the unit vector across the view and the line

@@ -51,6 +51,26 @@ struct SpineSet {
   std::vector<float> depth;           // window depth in [0, 1], affine along a segment
   std::vector<std::uint32_t> source;  // the point of the PolylineSet whose segment starts here
   std::vector<Spine> spines;
+
+  /// Points begin … end − 1, with all that is known of them, to `to`, which is not after them.
+  void movePoints(std::uint32_t begin, std::uint32_t end, std::uint32_t to) {
+    if (begin == to) return;
+    const auto move = [&](auto& values) {
+      for (std::uint32_t i = begin; i < end; ++i)
+        values[to + (i - begin)] = values[i];
+    };
+    move(points);
+    move(exact);
+    move(depth);
+    move(source);
+  }
+
+  void resizePoints(std::uint32_t size) {
+    points.resize(size);
+    exact.resize(size);
+    depth.resize(size);
+    source.resize(size);
+  }
 };
 
 /// Whether a line turns by more than a right angle at a point between two others.
